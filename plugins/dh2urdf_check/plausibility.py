@@ -12,7 +12,8 @@ from dh2urdf.rotations import ZERO, add, rotate
 from dh2urdf.source import shown
 from dh2urdf_check.document.description import Hit
 from dh2urdf_check.merged import inertial_of, pose_of
-from dh2urdf_check.shapes import resolved
+from dh2urdf_check.meshes import LONGEST
+from dh2urdf_check.shapes import mesh_files, resolved
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,8 +28,6 @@ MOST_TURNS = 20.0
 MOST_DEGREES = 720.0
 """A limit beyond two turns of degrees stands for no limit, such as 1000 or 1e16 [deg]."""
 WHOLE_TURN = 2 * math.pi + 0.01
-LONGEST = 50.0
-"""The size from which on lengths are taken for millimetres [m]: no arm, leg or vehicle has a link so long."""
 _STEP = 0.5
 """What angles in degrees are multiples of [deg]."""
 _NO_LIMIT = {100.0, 200.0, 500.0}
@@ -82,10 +81,11 @@ def _limits(joint: JointNode) -> Iterator[Hit]:
 
 def _meshes(description: Description) -> Iterator[Hit]:
     """Meshes that are too large, once for all of them; a single link may be the ground."""
+    files = description.once(mesh_files)
     found: list[tuple[Element, float]] = []
     for mesh, path in _mesh_files(description) if description.joints else ():
-        file = description.mesh(path)
-        sides = file.sides if file else None
+        file = files.get(path)
+        sides = [file.unit * side for side in file.sides] if file and file.sides else None
         scale = mesh.numbers("scale", 3) or (1.0, 1.0, 1.0)
         largest = max(abs(side * factor) for side, factor in zip(sides or ZERO, scale, strict=True))
         if largest >= LONGEST:

@@ -30,6 +30,7 @@ CONSUMERS = {
     "ros": "ROS: urdfdom (robot_state_publisher, RViz, MoveIt) and KDL",
     "gazebo": "Gazebo: sdformat",
     "coppeliasim": "CoppeliaSim",
+    "isaac": "Isaac Sim: importer of URDF, as it is documented",
 }
 """The readers of robot descriptions that the rules speak of, by the names that ``--for`` takes."""
 

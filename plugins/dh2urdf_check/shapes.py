@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import is_file, is_folder
 from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 from dh2urdf.source import did_you_mean, shown
 from dh2urdf_check.document.description import ALL, SHAPES, Hit
-from dh2urdf_check.document.mesh_faults import Use, faults_of
 from dh2urdf_check.document.tree import numbers_of
+from dh2urdf_check.meshes import read_meshes
 from dh2urdf_check.numbers import drake_numbers, drake_scale, mujoco_numbers
 from dh2urdf_check.rules import rules
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from dh2urdf_check.document.description import Description
     from dh2urdf_check.document.tree import Element
+    from dh2urdf_check.meshes import MeshFile
 
 SMALLEST = 1e-3
 """The size that CoppeliaSim makes of a smaller one [m]."""
@@ -32,8 +33,22 @@ _TAKES = {
     "drake": {".obj", ".vtk", ".gltf"},
 }
 """The formats of meshes that a reader takes: Drake, of collisions; it draws what it can of the others."""
+MOST_BYTES = 2**27
+"""Size of all mesh files of a description that are read [B]."""
+MOST_TRIANGLES = 200_000
+"""The largest number of triangles in an STL that MuJoCo takes."""
+_OF_VISUALS: dict[bool, set[str]] = {False: {"drake"}, True: set()}
+"""The readers that do not mind a mesh, by whether it is one of a collision shape."""
 _MODEL = "model://"
 _OF_DRAKE = {"drake:capsule", "drake:ellipsoid"}
+
+
+class Use(NamedTuple):
+    """A mesh where it is used."""
+
+    element: Element
+    is_collision: bool
+    address: str
 
 
 def hits(description: Description) -> Iterator[Hit]:
@@ -159,6 +174,7 @@ def _tiny(description: Description) -> Iterator[Hit]:
 
 def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterator[Hit]:
     """A fault of a file is reported for every mesh; a fact about a format or a form of address, once."""
+    files = description.once(mesh_files)
     formats: dict[tuple[str, tuple[str, ...]], list[Use]] = {}
     forms: dict[str, list[Use]] = {}
     for use in uses:
@@ -185,13 +201,41 @@ def _meshes(description: Description, uses: list[Use], *, draws: bool) -> Iterat
             message = f"there is no mesh file {shown(use.address)} in the folders above the description"
             yield Hit("missing-mesh", use.element, message, {"pybullet"})
             continue
-        if file := description.mesh(path):
-            yield from faults_of(file, use, rest, _readers_of(use.address))
+        if file := files.get(path):
+            yield from _faults(file, use, rest & _readers_of(use.address))
         if of := _strangers(path, use, read_by_mujoco=read_by_mujoco):
             formats.setdefault((path.suffix.lower(), tuple(sorted(of))), []).append(use)
     for (name, of_names), found in formats.items():
         yield Hit("mesh-format", found[0].element, f"{_count_of(found, 'is', 'are')} {shown(name)}", of_names)
     yield from _addresses(forms, description, draws=draws)
+
+
+def mesh_files(description: Description) -> dict[Path, MeshFile]:
+    """What is in the mesh files of a description that are there, up to a size of them all."""
+    paths: dict[Path, None] = {}
+    left = MOST_BYTES
+    for mesh in description.root.walk():
+        path = resolved(mesh.get("filename") or "", description) if mesh.tag == "mesh" else None
+        if path and path not in paths and is_file(path) and (left := left - path.stat().st_size) >= 0:
+            paths[path] = None
+    return read_meshes(paths)
+
+
+def _faults(file: MeshFile, use: Use, of: set[str]) -> Iterator[Hit]:
+    """What is wrong in a mesh file; `of` are the readers that read the shape, and take its format."""
+    about = f"the mesh {shown(use.address)}"
+    if file.header:
+        yield Hit("hollow-mesh", use.element, f"{about}: {file.header}")
+    if file.unit != 1.0:
+        yield Hit("collada-unit", use.element, f"{about} has the unit {file.unit:g} m")
+    if file.problem:
+        yield Hit("unreadable-mesh", use.element, f"{about}: {file.problem}", of - _OF_VISUALS[use.is_collision])
+    elif file.is_text:
+        yield Hit("text-stl", use.element, f"{about} is an STL of text", of)
+    elif file.is_planar:
+        yield Hit("mesh-without-volume", use.element, f"{about} is flat", of & {"mujoco"})
+    if file.triangles > MOST_TRIANGLES:
+        yield Hit("many-triangles", use.element, f"{about} has {file.triangles:,} triangles", of & {"mujoco"})
 
 
 def _addresses(forms: dict[str, list[Use]], description: Description, *, draws: bool) -> Iterator[Hit]:

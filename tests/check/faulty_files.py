@@ -196,6 +196,7 @@ def many_joints() -> str:
     return links + "".join(joint(f"j_{b}", b, parent=a, kind="revolute", inner=inner) for a, b in pairs)
 
 
+GREY = SOUND[SOUND.index("  <material") : SOUND.index('  <link name="base_link"/>')]
 END = "</robot>\n"
 LONG_NAME = "n" * 1200
 
@@ -318,6 +319,19 @@ FAULTS: dict[str, Fault] = {
     ),
     "safety-without-velocity": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <safety_controller/>", "<safety"),
     "mimic-without-joint": Fault(ELBOW_LIMIT, f"{ELBOW_LIMIT}\n    <mimic/>", "<mimic"),
+    "calibration-text": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <calibration rising="x"/>', "<calibration"),
+    "mimic-without-range": Fault(
+        ELBOW_LIMIT,
+        '<limit effort="20" velocity="3"/>\n    <mimic joint="shoulder"/>',
+        "<mimic",
+        besides=("missing-range", "mimic-joint"),
+    ),
+    "root-merged": Fault(
+        SOUND[SOUND.index("    <compiler") : SOUND.index('  <link name="base_link_inertia">')],
+        f'    <compiler discardvisual="false"/>\n  </mujoco>\n{GREY}  <link name="base_link">\n{BASE_BODY}  </link>\n',
+        '<link name="base_link"',
+        besides=("root-with-inertial", "fixed-link"),
+    ),
     "mimic-itself": Fault(ELBOW_LIMIT, f'{ELBOW_LIMIT}\n    <mimic joint="elbow"/>', "<mimic"),
     "transmission-incomplete": Fault(
         END, "  <transmission>\n    <type>SimpleTransmission</type>\n  </transmission>\n" + END, "<transmission"
@@ -421,19 +435,8 @@ FAULTS: dict[str, Fault] = {
         besides=("relative-mesh",),
         of=("pybullet", "mujoco", "pinocchio", "ros", "gazebo", "coppeliasim"),
     ),
-    "hollow-mesh": Fault(
-        BOX,
-        '<mesh filename="hollow.dae"/>',
-        "<mesh",
-        besides=("relative-mesh", "mesh-format", "unreadable-mesh"),
-    ),
-    "missing-vertex": Fault(
-        BOX,
-        '<mesh filename="beyond.obj"/>',
-        "<mesh",
-        besides=("relative-mesh",),
-        of=("pybullet", "mujoco", "pinocchio", "ros", "gazebo", "coppeliasim"),
-    ),
+    "hollow-mesh": Fault(BOX, '<mesh filename="hollow.dae"/>', "<mesh", besides=("relative-mesh", "mesh-format")),
+    "collada-unit": Fault(BOX, '<mesh filename="unit.dae"/>', "<mesh", besides=("relative-mesh", "mesh-format")),
     "mesh-without-volume": Fault(
         BOX, '<mesh filename="flat.obj"/>', "<mesh", besides=("relative-mesh",), of=("mujoco",)
     ),
@@ -468,6 +471,18 @@ IMPLAUSIBLE = {
 """By rule of the table of plausibility: a text of the sound description, and what is hardly meant in its place."""
 
 
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">{asset}
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">{corners}</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4">
+<input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
+"""
+
+
 def write_meshes(folder: Path) -> None:
     """A part in the formats that the faults name, and a folder that is empty of it."""
     corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
@@ -483,11 +498,16 @@ def write_meshes(folder: Path) -> None:
         for face in faces
     )
     (folder / "text.stl").write_text(f"solid part\n{text}endsolid part\n")
-    (folder / "beyond.obj").write_text("\n".join([*obj, "f 1 2 5", ""]))
     (folder / "part.glb").write_bytes(b"glTF")
     (folder / "many.stl").write_bytes(bytes(80) + struct.pack("<I", 200_004) + b"".join(triangles) * 50_001)
     (folder / "pointer.stl").write_text(f"version https://git-lfs.github.com/spec/v1\noid sha256:{64 * '0'}\nsize 9\n")
-    (folder / "hollow.dae").write_text("<COLLADA><asset/></COLLADA>")
+    dae = COLLADA.format(
+        asset='<asset><unit meter="0.01"/><up_axis>Z_UP</up_axis></asset>',
+        corners=" ".join(str(number) for corner in corners for number in corner),
+        faces=" ".join(str(index) for face in faces for index in face),
+    )
+    (folder / "unit.dae").write_text(dae)
+    (folder / "hollow.dae").write_text(dae.replace(' meter="0.01"', ""))
     (folder / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")
 
 

@@ -85,7 +85,7 @@ def test_a_program_says_which_it_is(told: Any) -> None:
     require("mujoco")
     document = told(urdf(), "--for", "mujoco")
     assert document["asked"]["mujoco"] == {"program": "MuJoCo 4.0.0", "end": "loads"}
-    assert seen(document, "mujoco")["seen-lost-root"]["seen"] == "MuJoCo 4.0.0"
+    assert seen(document, "mujoco")["root-merged"]["seen"] == "MuJoCo 4.0.0"
 
 
 def test_nobody_is_asked_where_the_user_wants_that(told: Any) -> None:
@@ -104,7 +104,7 @@ def test_a_refusal_is_at_the_joint_that_the_program_names(told: Any) -> None:
     require("ros", "pinocchio", "mujoco")
     document = told(urdf(joint='<calibration rising="x"/>'), status=1)
     for consumer in ("ros", "pinocchio"):
-        found = seen(document, consumer)["seen-refusal"]
+        found = seen(document, consumer)["calibration-text"]
         assert "not a valid float" in found["does"]
         assert (found["severity"], found["line"]) == ("error", 5)
     assert document["asked"]["mujoco"]["end"] == "loads"
@@ -117,7 +117,7 @@ def test_a_crash_is_a_finding_and_the_other_files_are_asked(cli: Cli, tmp_path: 
     (tmp_path / "a.urdf").write_text(urdf(arm=BODY.format(2) + mesh("one.dae")))
     (tmp_path / "b.urdf").write_text(urdf())
     document = json.loads(cli("check", "a.urdf", "b.urdf", "--for", "pybullet", "--json", status=1).stdout)
-    (crash,) = [each for each in document["findings"] if each["rule"] == "seen-crash"]
+    (crash,) = [each for each in document["findings"] if each["rule"] == "hollow-mesh"]
     assert crash["file"] == "a.urdf"
     assert "segmentation fault" in crash["consumers"]["pybullet"]["does"]
     assert document["asked"] == {"PyBullet 3.2.7": {"crashes": 1, "loads": 1}}
@@ -128,15 +128,18 @@ def test_units_of_a_mesh_that_two_programs_read_otherwise(told: Any, tmp_path: P
     require("pybullet", "pinocchio")
     for factor, name in ((0.01, "hundredth"), (1, "metre")):
         (tmp_path / f"{name}.dae").write_text(DAE.format(asset=ASSET.format(factor)))
-    found = seen(told(urdf(arm=BODY.format(2) + mesh("hundredth.dae")), status=1), "pybullet")["seen-mesh-size"]
+    found = seen(told(urdf(arm=BODY.format(2) + mesh("hundredth.dae")), status=1), "pybullet")["collada-unit"]
     assert "0.01 times as large" in found["does"]
-    assert "seen-mesh-size" not in seen(told(urdf(arm=BODY.format(2) + mesh("metre.dae")), status=1), "pybullet")
+    assert (
+        not {"seen-mesh-size", "collada-unit"}
+        & seen(told(urdf(arm=BODY.format(2) + mesh("metre.dae")), status=1), "pybullet").keys()
+    )
 
 
 def test_what_mujoco_makes_of_the_root(told: Any) -> None:
     """Its name and its mass are gone."""
     require("mujoco")
-    found = seen(told(urdf()), "mujoco")["seen-lost-root"]
+    found = seen(told(urdf()), "mujoco")["root-merged"]
     assert (found["severity"], found["line"]) == ("note", 3)
     assert "9 of 11 kg are gone" in found["does"]
 
@@ -173,7 +176,7 @@ def test_a_good_file_is_the_same_in_every_program(told: Any, consumer: str) -> N
     text = urdf(arm=off + box, more=f'<link name="hand">{BODY.format(1)}</link>{second}')
     document = told(text, "--for", consumer)
     assert document["asked"][consumer]["end"] == "loads"
-    assert set(seen(document, consumer)) <= {"seen-lost-root"}
+    assert set(seen(document, consumer)) <= {"root-merged"}
 
 
 def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> None:
@@ -186,7 +189,7 @@ def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> Non
     (tmp_path / "part.obj").write_text(OBJ)
     document = json.loads(cli("check", "arm.urdf.xacro", "--for", "mujoco", "--json").stdout)
     assert document["asked"]["mujoco"]["end"] == "loads"
-    assert seen(document, "mujoco")["seen-lost-root"]["line"] == 3
+    assert seen(document, "mujoco")["root-merged"]["line"] == 3
 
 
 def test_what_a_xacro_expands_to_is_in_its_package(cli: Cli, tmp_path: Path) -> None:

@@ -40,8 +40,8 @@ def test_a_file_of_ours_is_taken_by_all(cli: Cli, arm: Path) -> None:
     assert ": note: " in answer.stdout
     assert not {": error: ", ": warning: "} & set(answer.stdout.split("["))
     *_, count, last = answer.stdout.splitlines()
-    assert count == "3 notes"
-    assert last == "foretold: no error in pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim"
+    assert count == "6 notes"
+    assert last == "foretold: no error in pybullet, mujoco, pinocchio, drake, ros, gazebo, coppeliasim, isaac"
 
 
 def test_an_error_is_printed_with_its_place_and_its_fix(cli: Cli, arm: Path) -> None:
@@ -56,7 +56,7 @@ def test_an_error_is_printed_with_its_place_and_its_fix(cli: Cli, arm: Path) -> 
     )
     assert "    drake (foretold): ends the interpreter with SystemExit" in lines
     assert "    fix: exchange them" in lines
-    assert lines[-2] == "1 error, 3 notes"
+    assert lines[-2] == "1 error, 6 notes"
     assert lines[-1].endswith("; errors in drake")
 
 
@@ -176,7 +176,7 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
     told = json.loads(cli("check", "--no-ask", arm.name, "--format", "json", status=1).stdout)
     assert set(told) == {"schema", "version", "file", "consumers", "asked", "counts", "findings"}
     assert told["schema"] == "dh2urdf-check/1"
-    assert told["counts"] == {"error": 1, "warning": 0, "note": 3}
+    assert told["counts"] == {"error": 1, "warning": 0, "note": 6}
     (finding,) = [finding for finding in told["findings"] if finding["severity"] == "error"]
     assert set(finding) == {
         "rule",
@@ -205,7 +205,7 @@ def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
     (run,) = log["runs"]
     driver = run["tool"]["driver"]
     assert {"name", "semanticVersion", "rules"} == set(driver)
-    assert len(run["results"]) == 4
+    assert len(run["results"]) == 7
     for result in run["results"]:
         assert result["ruleId"] == driver["rules"][result["ruleIndex"]]["id"]
         assert result["level"] in {"error", "warning", "note"}

@@ -33,11 +33,14 @@ EXPECTED = {
     "continuous-joint",
     "zero-outside-limits",
     "axis-along-minus-z",
+    "free-root",
+    "empty-root",
+    "usd-name",
 }
 """What may be found in a file that is right: nothing but CoppeliaSim misreads it."""
 EXPECTED_BY = {
     "portable": EXPECTED,
-    "coppeliasim": {"root-without-inertial", "fixed-link", "continuous-joint", "frame-without-inertial"},
+    "coppeliasim": EXPECTED | {"frame-without-inertial"},
 }
 """The same, by the profile that wrote the file."""
 IN_COPPELIASIM = Path(__file__).parents[1] / "plugins" / "loaders" / "coppeliasim_4_10_0_arms.json"

@@ -1,29 +1,32 @@
-"""Sides of mesh files against those that trimesh reads, and files that are no meshes."""
+"""Sides of mesh files, what is said of the headers of COLLADA files, and files that are no meshes."""
 
 from __future__ import annotations
 
-import importlib.metadata
 import re
 import struct
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from consumers import behaviours, require
 from faulty_files import BOX, SOUND, write_meshes
 
-from dh2urdf_check.document import mesh_sizes
-from dh2urdf_check.document.mesh_sizes import read_mesh
+from dh2urdf_check import meshes
 from dh2urdf_check.inspection import inspect_urdf
+from dh2urdf_check.meshes import read_meshes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from dh2urdf.rotations import Vec3
 
 
 def sides_of(path: Path) -> Vec3 | None:
-    file = read_mesh(path)
-    return file.sides if file else None
+    file = read_meshes([path]).get(path)
+    if file is None or file.sides is None:
+        return None
+    x, y, z = file.sides
+    return file.unit * x, file.unit * y, file.unit * z
 
 
 COLLADA = """<?xml version="1.0"?>
@@ -31,11 +34,13 @@ COLLADA = """<?xml version="1.0"?>
   <asset><unit meter="{unit}"/><up_axis>Z_UP</up_axis></asset>
   <library_geometries><geometry id="g"><mesh>
     <source id="p"><float_array id="a" count="12">0 0 0 100 0 0 0 200 0 0 0 300</float_array>
-      <technique_common><accessor source="#a" count="4" stride="3"/></technique_common></source>
+      <technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+      <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
     <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+    <triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>
   </mesh></geometry></library_geometries>
   <library_visual_scenes><visual_scene id="s"><node>{steps}<instance_geometry url="#g"/></node></visual_scene>
-  </library_visual_scenes>
+  </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene>
 </COLLADA>
 """
 
@@ -43,7 +48,7 @@ COLLADA = """<?xml version="1.0"?>
 @pytest.mark.parametrize(
     ("unit", "steps", "sides"),
     [
-        ("0.001", "", (0.1, 0.2, 0.3)),
+        ("0.5", "", (50, 100, 150)),
         ("1", "<matrix>0 1 0 9 2 0 0 9 0 0 1 9 0 0 0 1</matrix>", (200, 200, 300)),
     ],
 )
@@ -81,31 +86,36 @@ def test_what_cannot_be_read_has_no_sides(tmp_path: Path, name: str) -> None:
 
 def test_a_large_file_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_meshes(tmp_path)
-    monkeypatch.setattr(mesh_sizes, "LARGEST", 10)
+    monkeypatch.setattr(meshes, "LARGEST", 10)
     assert sides_of(tmp_path / "part.obj") is None
 
 
-def test_real_meshes_have_the_sides_that_trimesh_reads() -> None:
-    """Three of each format in example-robot-data and pybullet, of up to 200 kB."""
-    trimesh = pytest.importorskip("trimesh")
-    pytest.importorskip("collada")
-    paths: dict[str, list[Path]] = {".stl": [], ".obj": [], ".dae": []}
-    for package in ("example-robot-data", "pybullet"):
-        try:
-            files = importlib.metadata.files(package) or ()
-        except importlib.metadata.PackageNotFoundError:
-            pytest.skip(f"{package} is not installed")
-        for path in (Path(str(file.locate())) for file in files if file.suffix.lower() in paths):
-            if path.is_file() and 1000 < path.stat().st_size < 200_000:
-                paths[path.suffix.lower()].append(path)
-    chosen = [path for found in paths.values() for path in sorted(found)[:: max(1, len(found) // 3)][:3]]
-    assert len(chosen) == 9
-    for path in chosen:
-        sides, extents = sides_of(path), trimesh.load_scene(path, process=False).extents
-        assert sides is not None
-        named = re.search(rb'<unit[^>]* meter="([^"]+)"', path.read_bytes())  # trimesh does not follow it.
-        unit = float(named[1]) if named and path.suffix.lower() == ".dae" else 1.0
-        assert sides == pytest.approx([side * unit for side in extents], rel=1e-5)
+HEADERS = {
+    '<unit meter="0.001"/><up_axis>Z_UP</up_axis>': True,
+    "<up_axis>Y_UP</up_axis>": True,
+    '<unit name="m"/><up_axis>Z_UP</up_axis>': False,
+    "<unit/><up_axis>Z_UP</up_axis>": False,
+    '<unit meter="1"/><up_axis/>': False,
+    "no asset": False,
+}
+"""What is in the `<asset>` of a COLLADA file, and whether PyBullet survives it."""
+
+
+def test_the_headers_that_end_pybullet_are_found(tmp_path: Path) -> None:
+    """And no other: PyBullet is asked of each."""
+    write_meshes(tmp_path)
+    whole = re.sub("<asset>.*</asset>", "%s", (tmp_path / "unit.dae").read_text())
+    paths = []
+    for number, header in enumerate(HEADERS):
+        asset = "" if header == "no asset" else f"<asset>{header}</asset>"
+        (tmp_path / f"{number}.dae").write_text(whole % asset)
+        paths.append(tmp_path / f"{number}.urdf")
+        paths[-1].write_text(SOUND.replace(BOX, f'<mesh filename="{number}.dae"/>'))
+    found = [{finding.rule for finding in inspect_urdf(path).findings} for path in paths]
+    assert ["hollow-mesh" not in rules for rules in found] == [*HEADERS.values()]
+    assert ["collada-unit" in rules for rules in found] == [True] + 5 * [False]
+    require("pybullet")
+    assert [each.end == "loads" for each in behaviours("pybullet", paths)] == [*HEADERS.values()]
 
 
 def rule_of(folder: Path, mesh: str, change: Callable[[str], str] = lambda text: text) -> list[str]:

@@ -7,14 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from dh2urdf.source import listed, shown
-from dh2urdf_check.document.mesh_sizes import read_mesh
 from dh2urdf_check.document.tree import Element
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping
     from pathlib import Path
 
-    from dh2urdf_check.document.mesh_sizes import MeshFile
 
 T = TypeVar("T")
 
@@ -33,8 +31,6 @@ SHAPES = {
 }
 """Shapes with the attributes that they need."""
 _FEW = 4
-MOST_BYTES = 2**27
-"""Size of all mesh files of a description that are read [B]."""
 
 
 class Hit(NamedTuple):
@@ -127,15 +123,6 @@ class Description:
         self.joints = [_joint(element) for element in root.all("joint")]
         self.link = {node.name: node for node in reversed(self.links)}
         self._once: dict[tuple[object, ...], Any] = {}
-        self._meshes: dict[Path, MeshFile | None] = {}
-        self._bytes_left = MOST_BYTES
-
-    def mesh(self, path: Path) -> MeshFile | None:
-        """What a mesh file holds that is there; None where it is not read."""
-        if path not in self._meshes:
-            self._bytes_left -= path.stat().st_size
-            self._meshes[path] = read_mesh(path) if self._bytes_left >= 0 else None
-        return self._meshes[path]
 
     def once(self, find: Callable[..., T], *about: object) -> T:
         """What a function finds about this description and parts of it, found once: rules ask it for every link."""

@@ -34,6 +34,7 @@ from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
 from dh2urdf_check.ask.findings import asking, seen_findings, why_unasked
+from dh2urdf_check.explaining import explanation
 from dh2urdf_check.several import inspect_several, repaired
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ EXIT_STATUS = (
 
 
 @click.command(name="check", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
-@click.argument("words", nargs=-1, required=True, metavar="FILE… [NAME:=VALUE]…")
+@click.argument("words", nargs=-1, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
 @option(
@@ -69,6 +70,7 @@ EXIT_STATUS = (
 @option("--as", "format_name", metavar="NAME", help="Format of FILE, such as urdf; by FILE's suffix.")
 @option("--no-ask", "is_silent", is_flag=True, help="Give the file to no simulator: only foretell what each will do.")
 @option("--verbose", "is_whole", is_flag=True, help="Print every finding with all that is known of it.")
+@option("--explain", "rule", metavar="RULE", help="Print what a rule means, and check no file.")
 @option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", help="What is printed; text.")
 @option("--json", "form", flag_value="json", help="The same as --format json.")
 @option("--fix", "is_fixed", is_flag=True, help="Fix what is mechanical, write it to -o, and check that.")
@@ -84,6 +86,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     format_name: str | None,
     is_silent: bool,  # noqa: FBT001 - click hands it over by name
     is_whole: bool,  # noqa: FBT001 - as before
+    rule: str | None,
     form: str,
     is_fixed: bool,  # noqa: FBT001 - as before
     out: Path | None,
@@ -111,6 +114,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check ur5.urdf --against ur5.csv --tip-link ee_link
     dh2urdf check my_robots/ --format sarif > robots.sarif
     """
+    if rule is not None:
+        answer(explanation(rule))
+        return 0
     if table is None:
         _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()

@@ -12,6 +12,7 @@ from dh2urdf import __version__
 from dh2urdf.kinematics.comparison import changes, number_text
 from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding
+from dh2urdf_check.explaining import address_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -192,17 +193,24 @@ def as_sarif(findings: Sequence[Finding]) -> str:
     driver = {
         "name": "dh2urdf",
         "semanticVersion": __version__,
-        "rules": [{"id": name, "help": {"text": first[name].fix}} for name in names],
+        "rules": [_rule(first[name]) for name in names],
     }
     results = [_result(finding, names.index(finding.rule)) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
 
 
+def _rule(finding: Finding) -> dict[str, Any]:
+    """The rule of a finding; its page where it has one."""
+    address = address_of(finding.rule)
+    return {"id": finding.rule, "help": {"text": finding.fix}, **({"helpUri": address} if address else {})}
+
+
 def _result(finding: Finding, rule_index: int) -> dict[str, Any]:
     mark = finding.mark
     text = f"{finding.message} ({mark.place})" if mark and mark.place else finding.message
-    said = [text, *(f"{effect.consumer}: {effect.text}" for effect in finding.effects), f"fix: {finding.fix}"]
+    does = (f"{each.consumer}{f' (seen in {each.seen})' if each.seen else ''}: {each.text}" for each in finding.effects)
+    said = [text, *does, f"fix: {finding.fix}"]
     result = {
         "ruleId": finding.rule,
         "ruleIndex": rule_index,

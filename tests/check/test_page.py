@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.kinematics import comparison as agreement
+from dh2urdf_check.ask.findings import seen_rules
 from dh2urdf_check.command import command
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.models import CONSUMERS as MODEL_CONSUMERS, model_rules
@@ -75,6 +76,23 @@ def all_matrices() -> Iterator[str]:
     yield from matrix("packages", *PAGES["packages"])
 
 
+def seen_paragraphs() -> Iterator[str]:
+    """A section for each kind of thing that was seen."""
+    for name, rule in seen_rules().items():
+        yield f"\n## {name}\n\n{rule.fault[0].upper()}{rule.fault[1:]} ({rule.severity}).\n\nFix: {rule.fix}."
+
+
+def test_what_is_seen_is_in_its_page(*, renew: bool) -> None:
+    """Whatever no rule foretells."""
+    path = DOCS / "rules" / "seen.md"
+    expected = "\n".join(seen_paragraphs()) + "\n\n"
+    if renew:
+        path.write_text(GENERATED.sub(lambda match: match["remark"] + expected, path.read_text("utf-8")), "utf-8")
+    match = GENERATED.search(path.read_text("utf-8"))
+    assert match is not None
+    assert match["lines"] == expected
+
+
 @pytest.mark.parametrize("name", ["index", *PAGES])
 def test_every_rule_is_in_the_pages(name: str, *, renew: bool) -> None:
     """With what every consumer does, and how to fix it."""
@@ -111,11 +129,13 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
     assert len(quotes) == 4
     for quote in quotes:
         finding = next(each for each in inspect_urdf(paths[quote["file"]]).findings if quote["message"] in each.message)
-        said = [f"fix: {finding.fix}"]
-        for effect in finding.effects:
-            severity = "" if effect.severity == finding.severity else f" ({effect.severity})"
-            said.append(f"{effect.consumer}{severity}: {effect.text}")
-        assert {line.strip() for line in quote["more"].splitlines()} <= set(said)
+        lines = {line.strip() for line in quote["more"].splitlines()}
+        for line in lines - {f"fix: {finding.fix}"}:
+            consumer, _, text = line.partition(" (foretold")
+            severity, _, text = text.partition("): ")
+            effect = next(each for each in finding.effects if each.consumer == consumer)
+            assert text == effect.text
+            assert severity == ("" if effect.severity == finding.severity else f", {effect.severity}")
 
 
 def test_the_readme_leads_to_the_page() -> None:

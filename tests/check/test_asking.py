@@ -179,6 +179,18 @@ def test_a_good_file_is_the_same_in_every_program(told: Any, consumer: str) -> N
     assert set(seen(document, consumer)) <= {"root-merged"}
 
 
+def test_links_may_come_before_what_holds_them(told: Any) -> None:
+    """The root of a file is the link that nothing holds, wherever it is: it was taken for the first one."""
+    require("pinocchio")
+    first = JOINT.format(name="j1", parent="base", child="arm", more="")
+    second = JOINT.format(name="j2", parent="arm", child="hand", more="")
+    links = "".join(f'<link name="{name}">{BODY.format(1)}</link>' for name in ("hand", "arm", "base"))
+    text = f'<?xml version="1.0"?>\n<robot name="r">{links}{second}{first}</robot>\n'
+    document = told(text, "--for", "pinocchio")
+    assert document["asked"]["pinocchio"]["end"] == "loads"
+    assert seen(document, "pinocchio") == {}
+
+
 def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> None:
     """Places are those of the xacro; files beside it are found."""
     require("mujoco")

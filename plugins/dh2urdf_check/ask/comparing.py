@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
-from dh2urdf.measuring import pose_error, reach, written_joint
+from dh2urdf.measuring import pose_error, written_joint
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages.foreign_robot import following, with_followers
@@ -177,8 +177,9 @@ def _poses(robot: Robot, held: HeldRobot, question: Question) -> Iterator[Differ
         to_first = found[known[0]].inverse
         to_first_wanted = wanted[known[0]].inverse
         for name in known:
-            distance, angle = pose_error(to_first @ found[name], _matrix(to_first_wanted @ wanted[name]))
-            far = distance > NEAR * max(1.0, reach(robot, name)) or angle > 10 * NEAR
+            own = to_first_wanted @ wanted[name]
+            distance, angle = pose_error(to_first @ found[name], _matrix(own))
+            far = distance > NEAR * max(1.0, math.hypot(*own.translation)) or angle > 10 * NEAR
             if far and name not in elsewhere:
                 elsewhere[name] = f"has it {distance:.3g} m and {angle:.3g} rad away from where the file puts it"
     for name, text in elsewhere.items():

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.robot import Joint, Robot
     from dh2urdf.source import Mark
     from dh2urdf.stages import Emitter, HeldRobot, Severity
 
@@ -198,7 +199,26 @@ def _own(path: Path, emitter: Emitter[Any], expansion: Expansion) -> ForeignRobo
         robot = reads.read_foreign(path, expansion) if reads else None
     except Dh2UrdfError:  # What is not read here cannot be compared.
         return None
-    return robot if isinstance(robot, ForeignRobot) or robot is None else ForeignRobot(robot=robot)
+    if robot is None:
+        return None
+    found = robot if isinstance(robot, ForeignRobot) else ForeignRobot(robot=robot)
+    return replace(found, robot=_from_the_root(found.robot))
+
+
+def _from_the_root(robot: Robot) -> Robot:
+    """A robot whose links and joints follow each other from the root on, whatever their order in the file."""
+    below: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    held, links = {joint.child for joint in robot.joints}, {link.name: link for link in robot.links}
+    names = [name for name in links if name not in held]
+    joints: list[Joint] = []
+    for name in names:
+        for joint in below.get(name, ()):
+            if joint.child in links and joint.child not in names:
+                names.append(joint.child)
+                joints.append(joint)
+    return replace(robot, links=tuple(links[name] for name in names), joints=tuple(joints))
 
 
 def _named(content: bytes, path: Path, packages: Mapping[str, Path]) -> Iterator[Path]:

@@ -191,6 +191,13 @@ def test_links_may_come_before_what_holds_them(told: Any) -> None:
     assert seen(document, "pinocchio") == {}
 
 
+def test_what_our_own_reader_refuses_behind_the_fence(told: Any) -> None:
+    """A joint that our reader does not take: that sdformat takes the file is known all the same."""
+    require("gazebo")
+    text = SDF.format(base="").replace('type="revolute"', 'type="ball"')
+    assert told(text, "--for", "gazebo", name="arm.sdf")["asked"]["gazebo"]["end"] == "loads"
+
+
 def test_a_xacro_is_given_as_what_it_expands_to(cli: Cli, tmp_path: Path) -> None:
     """Places are those of the xacro; files beside it are found."""
     require("mujoco")

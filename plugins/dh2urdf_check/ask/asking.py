@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 SECONDS = 60.0
 """How long a program may take for one file, and before for its start [s]."""
+_OWN = ("dh2urdf", "dh2urdf_check", "dh2urdf_plugins")
+"""Our packages: the sentences of messages are files in them."""
 End: TypeAlias = Literal["loads", "refuses", "crashes", "unasked"]
 
 _Sent = tuple[str, HeldRobot | None]
@@ -196,7 +198,8 @@ def _prepared(prepare: Callable[[], str]) -> _Sent:
 
 
 def _inspected(inspects: Inspects, question: Question, readable: Sequence[Path]) -> _Sent:
-    """In a fork of the child: give a file to the program, behind the fence; it may read the packages of Python."""
+    """In a fork of the child: give a file to the program, behind the fence, where packages can be read."""
     packages = [Path(folder) for folder in sys.path if folder.endswith("-packages")]
-    enter((*readable, *packages), SECONDS, starts_program=inspects.starts_program)
+    own = [Path(str(sys.modules[name].__file__)).parent for name in _OWN if name in sys.modules]
+    enter((*readable, *packages, *own), SECONDS, starts_program=inspects.starts_program)
     return "", inspects.inspect(question)

@@ -349,6 +349,7 @@ def test_what_is_not_run_needs_what_no_test_machine_has() -> None:
         ("fuzzing.md", "sh"),
         ("fuzzing.md", "sh"),
         ("fuzzing.md", "sh"),
+        ("fuzzing.md", "sh"),
         ("machines.md", "sh"),
         ("machines.md", "python"),
         ("plugin-cookbook.md", "python"),

@@ -78,6 +78,15 @@ def test_the_order_of_bare_numbers_is_asked_for(text: str) -> None:
     assert geometry(dh2urdf.Manipulator.from_dh(text, columns=["a", "alpha", "d"], convention="standard")) == ROWS
 
 
+def test_elements_of_a_list_are_rows_of_one_table() -> None:
+    """Link by link, as MATLAB's toolbox is given them; two lists with names of their own are two tables."""
+    links = "L(1) = Link([0 0.1 0 pi/2]);\nL(2) = Link([0 0 0.5 0]);\nL(3) = Link([0, 0.2, 0, 0]);\n"
+    arm = dh2urdf.read(links, convention="standard", columns="theta,d,a,alpha")
+    assert [(row.d, row.a) for row in arm.rows] == [(0.1, 0), (0, 0.5), (0.2, 0)]
+    with pytest.raises(TableError, match="2 tables"):
+        dh2urdf.read("one = [0 0.1 0 0; 0 1 0 0]\ntwo = [0 0.1 0 0; 0 1 0 0]\n", columns="theta,d,a,alpha")
+
+
 @pytest.mark.parametrize("columns", ["a,alpha", "a,alpha,d,theta"])
 def test_columns_that_do_not_fit_are_refused(columns: str) -> None:
     with pytest.raises(TableError, match="3 columns"):

@@ -330,10 +330,12 @@ def test_long_words_may_be_one_slip_away(word: str) -> None:
         ("±170, 120", None),
         ("min: -170,5, max: 170,5", {"lower": "-170,5", "upper": "170,5"}),
         ("", {}),
+        ("-170.5,170.5", {"lower": "-170.5", "upper": "170.5"}),
+        ("[-0.1, 0.0018,0.2]", None),
     ],
 )
 def test_a_decimal_comma_is_no_separator(text: str, parts: dict[str, str] | None) -> None:
-    """Between semicolons a comma separates bounds only with a space behind it."""
+    """Between semicolons a comma separates bounds only with a space behind it, or beside a decimal point."""
     found = split_cell(FIELDS["limits"], text, decimal_comma=True)
     assert (None if isinstance(found, Problem) else found) == parts
 

@@ -145,8 +145,8 @@ def _without_brackets(text: str) -> tuple[str, str | None]:
 
 
 def _items(text: str, *, decimal_comma: bool) -> list[str]:
-    """The items of a list: by semicolons, commas, bars, or spaces alone."""
-    comma = r",\s+|,$" if decimal_comma else ","
+    """The items of a list: by semicolons, commas, bars, or spaces; beside a decimal point each comma separates."""
+    comma = r",\s+|,$" if decimal_comma and not re.search(r"\d\.\d", text) else ","
     for separator in (";", r"\|", comma):
         if re.search(separator, text):
             return [item.strip() for item in re.split(separator, text.strip().rstrip(",;|")) if item.strip()]

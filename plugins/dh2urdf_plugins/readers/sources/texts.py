@@ -39,6 +39,9 @@ _KEY_OF_LIST = r"\s*[\w -]{1,40}:\s*[\[{]"
 _ENVIRONMENT = r"\\begin\{(tabular[*xy]?|longtable|tblr|array|[bpvBV]?matrix)\}"
 _COMMAND = r"\\(?:begin|end|label|vspace|small|centering|caption)\b(?:\[[^\]]*\])?(?:\{\w*[:\w]*\})?"
 _RULE = r"\\(?:(?:top|mid|bottom)rule|hline|c(?:mid)?(?:rule|line)(?:\([^)]*\))?\{[^}]*\})|(?<!\\)%.*"
+_ELEMENT = r"\w\s?[(\[{]\s?\d+\s?[)\]}]\s?=\s?\w*\(?\s?$"
+"""What stands before a row that is an element of a list: ``L(2) = Link(``."""
+_LONGEST_ELEMENT = 60
 _GROUP = r"\[([^\[\]{}]*)\]|\{([^\[\]{}]*)\}"
 _CHANGED = (
     r"[\]}]\s*\)?\s*(?:\.\s*(?:T\b|\w+\()|'(?=\s*(?:;|$))|[*/+-])|(?:deg2rad|radians|transpose|rad2deg)\(\s*[\[(]"
@@ -330,7 +333,8 @@ def _listing(text: str, file: str) -> Iterator[TextTable]:
         line += inner.count("\n")
         if rows:
             goes_on = tables and len(tables[-1][0].cells) == len(rows[0].cells)
-            if not goes_on or ("=" in between and len(tables[-1]) > 1):
+            is_element = re.search(_ELEMENT, code[: group.start()][-_LONGEST_ELEMENT:])
+            if not goes_on or ("=" in between and len(tables[-1]) > 1 and not is_element):
                 tables.append([])
             tables[-1] += rows
     for rows in tables:

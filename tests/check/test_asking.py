@@ -123,6 +123,44 @@ def test_a_crash_is_a_finding_and_the_other_files_are_asked(cli: Cli, tmp_path: 
     assert document["asked"] == {"PyBullet 3.2.7": {"crashes": 1, "loads": 1}}
 
 
+def test_a_mesh_across_the_principal_axes_has_one_size(told: Any, tmp_path: Path) -> None:
+    """PyBullet has the vertices along the principal axes of the link: the body is as large there as elsewhere."""
+    skew = BODY.format(2).replace('ixy="0"', 'ixy="0.04"')
+    corners = [(x, y, z) for x in (0, 3) for y in (0, 0.2) for z in (0, 0.1)]
+    faces = [
+        "1",
+        "2",
+        "4",
+        "3",
+        "5",
+        "6",
+        "8",
+        "7",
+        "1",
+        "5",
+        "6",
+        "2",
+        "3",
+        "4",
+        "8",
+        "7",
+        "1",
+        "3",
+        "7",
+        "5",
+        "2",
+        "6",
+        "8",
+        "4",
+    ]
+    quads = [faces[at : at + 4] for at in range(0, len(faces), 4)]
+    triangles = [f"f {a} {b} {c}\nf {a} {c} {d}" for a, b, c, d in quads]
+    text = "\n".join([*(f"v {x} {y} {z}" for x, y, z in corners), *triangles, ""])
+    (tmp_path / "long.obj").write_text(text)
+    document = told(urdf(arm=skew + mesh("long.obj")))
+    assert [each for each in document["findings"] if each["rule"] == "seen-mesh-size"] == []
+
+
 def test_units_of_a_mesh_that_two_programs_read_otherwise(told: Any, tmp_path: Path) -> None:
     """PyBullet multiplies by the unit of COLLADA, Pinocchio does not."""
     require("pybullet", "pinocchio")

@@ -79,16 +79,9 @@ def masses() -> list[str]:
 
 
 def of_drake() -> list[str]:
-    """Elements that Drake alone reads."""
-    numbers = ("1", "x", "nan", "-1", "0", "", "1 2", "1e5x")
+    """Transmissions, of which Drake makes actuators."""
     kinds = ("fixed", "floating", "planar", "prismatic", "continuous")
     elements = [
-        *(
-            driven(actuator=f'<actuator name="motor"><drake:{kind} value="{number}"/></actuator>')
-            for kind in ("gear_ratio", "rotor_inertia")
-            for number in numbers
-        ),
-        driven(actuator='<actuator name="motor"><drake:rotor_inertia/></actuator>'),
         driven() + driven("shoulder"),
         driven() + driven(actuator='<actuator name="other"/>'),
         driven("link_2-tool0"),
@@ -104,7 +97,7 @@ def test_an_oddity_is_foretold(tmp_path: Path, consumer: str) -> None:
     require(consumer)
     write_meshes(tmp_path)
     paths = []
-    for text in (*floating()[::5], *axes()[::4], *followers()[::5], *masses()[::3], *of_drake()[::7]):
+    for text in (*floating()[::5], *axes()[::4], *followers()[::5], *masses()[::3], *of_drake()[::2]):
         paths.append(tmp_path / f"{len(paths)}.urdf")
         paths[-1].write_text(text)
     assert unforeseen(consumer, paths)[0] == []

@@ -102,7 +102,7 @@ IGNORED = {
 UNMEASURED = {
     # check_urdf prints the tree of links, and nothing else of what it read.
     *(("ros", rule) for rule in ("axis-zero", "missing-range", "swapped-limits", "missing-inertial", "negative-mass")),
-    ("ros", "axis-without-direction"),
+    *(("ros", rule) for rule in ("axis-without-direction", "mimic-without-range")),
     *(("ros", rule) for rule in ("nothing-that-weighs", "missing-mesh", "unresolved-package")),
     *(("ros", f"inertia-{rule}") for rule in ("not-positive-definite", "triangle-inequality")),
     *((name, rule) for name in ("ros", "gazebo") for rule in ("unreadable-mesh", "hollow-mesh", "missing-vertex")),

@@ -159,7 +159,7 @@ class TestKeptChild:
         ("name", "message"),
         [
             ("crash", "crashed (segmentation fault)"),
-            ("exit", "left the interpreter (exit status 3) and gave no result"),
+            ("exit", "left the process (exit status 3) and gave no result"),
             ("leave", "left the process (exit status 4) and gave no result"),
         ],
     )

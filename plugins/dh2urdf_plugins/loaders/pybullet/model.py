@@ -93,12 +93,19 @@ class Model:
             sizes = [
                 self._size(solid[2], solid[3])
                 if solid[2] != bullet.GEOM_MESH or solid[4] in {b"", _NO_FILE}
-                else lengths_of(bullet.getMeshData(self.body, index, collisionShapeIndex=at)[1])
+                else lengths_of(self._vertices(index, at, solid[6]))
                 for at, solid in enumerate(solids)
             ]
             seen = [self._size(kind, size) for _, at, kind, size, *_ in visuals if at == index]
             found[name] = {COLLISION: [each for each in sizes if each], VISUAL: [each for each in seen if each]}
         return found
+
+    def _vertices(self, index: int, at: int, orientation: Sequence[float]) -> Any:  # noqa: ANN401 - an array
+        """The vertices of a mesh along the axes of its file: Bullet has them along the principal axes of the link."""
+        import numpy as np
+
+        vertices = np.array(self.bullet.getMeshData(self.body, index, collisionShapeIndex=at)[1]).reshape(-1, 3)
+        return vertices @ np.array(self.bullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
 
     def _size(self, kind: int, size: Sequence[float]) -> tuple[float, float, float] | None:
         bullet = self.bullet

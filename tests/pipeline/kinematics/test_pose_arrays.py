@@ -180,8 +180,8 @@ class TestJointVectors:
             ([1j, 0, 0], "it holds values of type complex128"),
             (np.zeros(3, dtype="m8[s]"), "of type timedelta64"),
             (np.ma.masked_array([0.0, 0.0, 0.0], mask=[0, 1, 0]), "masked entries"),
-            ({}, "values are missing of the joints: turn, slide, spin"),
-            ({"turn": 0, "slide": 0}, "values are missing of the joints: spin"),
+            ({}, "no value is given for turn, slide, spin"),
+            ({"turn": 0, "slide": 0}, "no value is given for spin"),
             ({"turn": 0, "slide": 0, "spni": 0}, "did you mean 'spin'?"),
             ({"turn": 0, "slide": 0, "spin": 0, "weld": 0}, "has no moving joint 'weld'"),
             ({0: 0, 1: 0, 2: 0}, "has no moving joint '0'"),
@@ -205,7 +205,7 @@ class TestJointVectors:
         robot = dh2urdf.convert(MIXED).robot
         every = {"turn": 0.1, "slide": 0.2, "spin": 0.3}
         np.testing.assert_array_equal(robot.fk(every, "column"), robot.fk([0.1], "column"))
-        with pytest.raises(RecordValueError, match="values are missing of the joints: turn"):
+        with pytest.raises(RecordValueError, match="no value is given for turn"):
             robot.fk({"spin": 0.3}, "column")
         with pytest.raises(RecordValueError, match="did you mean 'column'"):
             robot.fk(every, "colunm")

@@ -83,8 +83,9 @@ def test_elements_of_a_list_are_rows_of_one_table() -> None:
     links = "L(1) = Link([0 0.1 0 pi/2]);\nL(2) = Link([0 0 0.5 0]);\nL(3) = Link([0, 0.2, 0, 0]);\n"
     arm = dh2urdf.read(links, convention="standard", columns="theta,d,a,alpha")
     assert [(row.d, row.a) for row in arm.rows] == [(0.1, 0), (0, 0.5), (0.2, 0)]
-    with pytest.raises(TableError, match="2 tables"):
+    with pytest.raises(TableError) as caught:
         dh2urdf.read("one = [0 0.1 0 0; 0 1 0 0]\ntwo = [0 0.1 0 0; 0 1 0 0]\n", columns="theta,d,a,alpha")
+    assert [problem.code for problem in caught.value.problems] == ["several-tables"]
 
 
 @pytest.mark.parametrize("columns", ["a,alpha", "a,alpha,d,theta"])

@@ -333,7 +333,7 @@ def _listing(text: str, file: str) -> Iterator[TextTable]:
         line += inner.count("\n")
         if rows:
             goes_on = tables and len(tables[-1][0].cells) == len(rows[0].cells)
-            is_element = re.search(_ELEMENT, code[: group.start()][-_LONGEST_ELEMENT:])
+            is_element = re.search(_ELEMENT, code[max(0, group.start() - _LONGEST_ELEMENT) : group.start()])
             if not goes_on or ("=" in between and len(tables[-1]) > 1 and not is_element):
                 tables.append([])
             tables[-1] += rows

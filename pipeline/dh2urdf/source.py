@@ -7,6 +7,7 @@ point to the line and column where a person has to fix it.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import islice
@@ -153,8 +154,10 @@ class Messages:
     @cached_property
     def entries(self) -> Mapping[str, Mapping[str, str]]:
         """Code -> templates. The file is read when the first problem is made: most tables have none."""
-        folders = Path(self._module).parents
-        return _entries(next(folder / MESSAGES for folder in folders if (folder / MESSAGES).is_file()))
+        for folder in Path(self._module).parents:
+            with suppress(FileNotFoundError):
+                return _entries(folder / MESSAGES)
+        raise FileNotFoundError(f"no {MESSAGES} is beside {self._module}, or above")
 
     def __call__(
         self,

@@ -417,7 +417,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/executors": 520,
     "plugins/dh2urdf_plugins/extraction": 1100,
     "plugins/dh2urdf_plugins/formats": 4690,
-    "plugins/dh2urdf_plugins/loaders": 3420,
+    "plugins/dh2urdf_plugins/loaders": 3430,
     "plugins/dh2urdf_plugins/packages": 2270,
     "plugins/dh2urdf_plugins/readers": 8970,
     "plugins/dh2urdf_plugins/transforms": 2310,

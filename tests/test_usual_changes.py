@@ -79,21 +79,13 @@ CHANGES = {
                 "plugins/dh2urdf_check/rules/names.yaml",
                 "",
                 (
-                    "\nname-of-a-tree:\n  fault: a robot named after a tree\n  fix: name it after an arm\n"
-                    "  consumers:\n    ros: [warns, says so]\n"
-                ),
-            ),
-            (
-                "plugins/dh2urdf_check/structure.py",
-                '        yield Hit("robot-without-name", root, "the robot has no name", of)\n',
-                (
-                    '        yield Hit("robot-without-name", root, "the robot has no name", of)\n'
-                    '    if root.get("name") == "oak":\n        yield Hit("name-of-a-tree", root, "the robot is an oak")\n'
+                    "\nname-of-a-tree:\n  fault: a robot named after a tree\n  at: /robot[@name = 'oak']\n"
+                    "  says: the robot is an oak\n  fix: name it after an arm\n  consumers:\n    ros: [warns, says so]\n"
                 ),
             ),
         ],
         {"oak.urdf": URDF.replace('"arm"', '"oak"')},
-        "check oak.urdf",
+        "check oak.urdf --no-ask",
         "name-of-a-tree",
     ),
     "an emitter": Change(

@@ -115,6 +115,8 @@ def inspect(question: Question) -> HeldRobot:
     pinocchio = sys.modules["pinocchio"]
     try:
         held = Model(pinocchio, question.path)
+    except UnicodeError:  # It takes no path with bytes that are no text; what it makes of the file is not known.
+        raise
     except (ValueError, RuntimeError) as error:
         raise refused("", question) from error
     data = held.model.createData()

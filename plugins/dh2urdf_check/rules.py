@@ -73,7 +73,7 @@ class Case:
     of: frozenset[str]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Proof:
     """How a sound file is made one that breaks a rule.
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import struct
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+from dh2urdf_check.rules import Proof
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -147,24 +149,8 @@ LINK_1_BODY = """    <inertial>
 MANY = 140
 
 
-class Fault(NamedTuple):
-    """A fault in the sound description.
-
-    Attributes:
-        old: the text of it that is replaced, once.
-        new: what is in its place.
-        at: the text that is in the line of the finding; it occurs in the faulty description.
-        nth: which occurrence of `at` is meant, counted from 1.
-        besides: other rules that the fault breaks too.
-        of: the consumers that it matters to, where the rule names more.
-    """
-
-    old: str
-    new: str
-    at: str
-    nth: int = 1
-    besides: tuple[str, ...] = ()
-    of: tuple[str, ...] = ()
+class Fault(Proof):
+    """A fault in the sound description."""
 
     @property
     def text(self) -> str:

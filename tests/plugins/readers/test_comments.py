@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import pytest
@@ -64,6 +65,13 @@ SPOKEN = [
         "# All dimensions are in mm. Angles: deg",
     ),
 ]
+
+
+def test_metres_of_a_comment_are_no_mass(read: Read) -> None:
+    """The letter m is also a header."""
+    (arm,) = read("# a and d in m, alpha in degrees\na,alpha,d\n0.3,45,0.1\n0.1,0,0\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert [(row.a, row.alpha) for row in arm.rows] == [(0.3, pytest.approx(math.pi / 4)), (0.1, 0)]
 
 
 @pytest.mark.parametrize("comment", [*KEYED, *SPOKEN])

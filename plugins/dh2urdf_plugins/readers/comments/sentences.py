@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention
@@ -117,7 +118,12 @@ def _names(convention: Convention, words: Sequence[str], place: int, word: str) 
 
 def _units(tokens: Sequence[str]) -> dict[str, str]:
     """The units that a sentence names of all lengths, angles and so on: one of each at most."""
-    fields = {field.name for token in tokens if (field := header_fields().get(key_of(token.casefold())))}
+    fields = {
+        field.name
+        for before, token in pairwise(["", *tokens])
+        if not (_is("before", before) and _unit(token))  # `in m` is no mass
+        and (field := header_fields().get(key_of(token.casefold())))
+    }
     named = {name for name in _MEASURES if any(_is(name, token) for token in tokens)}
     if fields - _WHOLE and not named:
         return {}  # `joint limits in degrees` says nothing of other angles

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -11,11 +13,11 @@ from consumers import require
 
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Question
+from dh2urdf_check.ask import urdfdom
 from dh2urdf_check.ask.asking import Asked, Asking, programs
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from conftest import Answer
 
@@ -342,6 +344,17 @@ def test_what_a_program_cannot_show_stays_foretold(told: Any) -> None:
         for finding in told(urdf(arm=BODY.format(2).replace('ixx="0.1"', 'ixx="9"')), "--for", "ros")["findings"]
     ]
     assert [effect["seen"] for effect in effects if effect["severity"] == "warning"] == [None]
+
+
+def test_the_urdfdom_of_a_wheel_is_asked_itself(told: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The script of its name in a virtual environment makes a folder before it starts it, and no fence allows that."""
+    require("pinocchio")
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent))
+    urdfdom.command.cache_clear()
+    try:
+        assert told(urdf(), "--for", "ros")["asked"]["ros"]["end"] == "loads"
+    finally:
+        urdfdom.command.cache_clear()
 
 
 def test_what_is_foretold_and_was_not_seen_is_left_out(told: Any) -> None:

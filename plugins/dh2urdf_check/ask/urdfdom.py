@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 from functools import cache
+from pathlib import Path
 
 from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.stages import HeldRobot, Inspects, Question
@@ -18,18 +21,29 @@ _MESSAGE = re.compile(r"^(?:Warning|Error): *(.*?) *$", re.MULTILINE)
 
 
 @cache
-def _command() -> str | None:
-    return shutil.which(COMMAND)
+def command() -> str | None:
+    """The program itself.
+
+    The wheel that Pinocchio needs has it, too, behind a Python script of the same name; that script makes a temporary
+    folder, which no fence allows.
+    """
+    found = (shutil.which(COMMAND, path=folder) for folder in (*os.get_exec_path(), str(_wheel() / "bin")))
+    return next((path for path in found if path and Path(path).open("rb").read(2) != b"#!"), None)
+
+
+def _wheel() -> Path:
+    """Where programs that wheels bring along are."""
+    return Path(sysconfig.get_path("purelib"), "cmeel.prefix")
 
 
 def is_installed() -> bool:
     """Whether there is such a command."""
-    return _command() is not None
+    return command() is not None
 
 
 def prepare() -> str:
     """Find the command, which does not tell its version."""
-    _command()
+    command()
     return ""
 
 
@@ -40,8 +54,11 @@ def inspect(question: Question) -> HeldRobot:
         LoaderError: it refuses the file.
         CrashError: it ends with a signal.
     """
-    words = [str(_command()), str(question.path)]
-    done = subprocess.run(words, capture_output=True, check=False, text=True, errors="replace")  # noqa: S603 - no shell
+    words = [str(command()), str(question.path)]
+    libraries = {"LD_LIBRARY_PATH": str(_wheel() / "lib")} if str(command()).startswith(str(_wheel())) else {}
+    done = subprocess.run(  # noqa: S603 - no shell
+        words, capture_output=True, check=False, text=True, errors="replace", env={**os.environ, **libraries}
+    )
     sys.stderr.write(done.stderr)
     if done.returncode < 0:
         raise CrashError(f"it crashed ({signal.strsignal(-done.returncode)})")

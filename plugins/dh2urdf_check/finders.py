@@ -6,6 +6,7 @@ braces what to report (`says`). Each verb is written once, here; the rules are d
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections import Counter
@@ -192,13 +193,17 @@ def _without(document: Document, found: list[etree._Element], wanted: list[str])
 
 def _unknown(document: Document, found: list[etree._Element], about: Mapping[str, Any]) -> Iterator[Place]:
     """Each element whose `value` is none of those `among` which it should be: a list, or an XPath; `$near` is one."""
-    among = about["among"]
-    is_same = isinstance(among, list) or among.startswith("/")
-    known: list[str] = among if isinstance(among, list) else []
-    for number, element in enumerate(found):
+    among: list[str] | str = about["among"]
+    above = among.count("../") if isinstance(among, str) else 0
+    names: dict[object, dict[str, None]] = {}
+    """What an XPath selects, by the element that it starts from: all children of one have the same."""
+    for element in found:
         value = text_of(document.select(about["value"], element))
-        if isinstance(among, str) and not (is_same and number):
-            known = [*map(text_of, document.select(among, element))]
+        start = next(itertools.islice(element.iterancestors(), above - 1, None)) if above else document.root
+        if start not in names:
+            selected = among if isinstance(among, list) else map(text_of, document.select(among, element))
+            names[start] = dict.fromkeys(selected)
+        known = names[start]
         if value and value not in known:
             near = did_you_mean(value, known)
             yield Place(element, {"$near": f": {near}" if near else ""})

@@ -117,23 +117,14 @@ def test_a_cell_of_such_arms(folder: Path, cli: Cli, first: str, second: str, em
     assert_whole(path, 6)
 
 
-@pytest.mark.parametrize("table", ["none"])
-def test_a_package_for_gazebo(folder: Path, cli: Cli, table: str) -> None:
+def test_a_package_for_gazebo(folder: Path, cli: Cli) -> None:
     """The description of a package whose hardware is Gazebo's."""
-    cli("convert", f"{table}.csv", "--to", "ros2", "--set", "hardware=gazebo", "-o", "o/")
+    cli("convert", "none.csv", "--to", "ros2", "--set", "hardware=gazebo", "-o", "o/")
     (path,) = folder.glob("o/*/urdf/*.urdf.xacro")
     plain = folder / "plain.urdf"
     plain.write_bytes(expand_foreign(path, Expansion(package_paths=(folder / "o",))).content)
     assert b"GazeboSimROS2ControlPlugin" in plain.read_bytes()
     assert_whole(plain, 2)
-
-
-@pytest.mark.usefixtures("folder")
-def test_the_mass_of_the_base_is_told(cli: Cli) -> None:
-    """The closing line names it among what was filled in, where the table does not state it."""
-    assert "masses of 2 links and the base" in cli("convert", "none.csv", "-o", "a.urdf").stderr
-    assert "mass of the base" in cli("convert", "weighed.csv", "-o", "a.urdf").stderr
-    assert "the base" not in cli("convert", "base with a mass.csv", "-o", "a.urdf").stderr.partition("filled in")[2]
 
 
 @pytest.mark.parametrize(
@@ -151,32 +142,6 @@ def test_a_mass_of_0_is_a_choice(folder: Path, emitter: str, options: dict[str, 
     found = [notice.message for notice in made.notices if notice.field == "base.mass"]
     assert len(found) == bool(said)
     assert all(said in message for message in found)
-
-
-def test_it_is_the_finding_of_check(folder: Path) -> None:
-    """`dh2urdf check`, by code of its own, declares about the file of a massless base that Gazebo drops it."""
-    dh2urdf.convert(folder / "stated.csv", folder / "arm.urdf")
-    assert "weightless-root" in {finding.rule for finding in dh2urdf.check(folder / "arm.urdf").findings}
-
-
-def test_a_run_prints_it_once(folder: Path, cli: Cli) -> None:
-    """Of many arms and formats it is printed once, and the others are counted; each row of the report has it."""
-    rows = "".join(f"arm{i},one,R,0.3,pi/2,0,{1 + i}\n" for i in range(30))
-    (folder / "arms.csv").write_text(
-        "# convention: standard\n# base: {mass: 0}\nrobot,joint,type,a,alpha,d,mass\n" + rows
-    )
-    inputs = "inputs: [arms.csv, stated.csv, weighed.csv]\n"
-    (folder / "run.yaml").write_text(f"{inputs}emitters: [urdf, xacro]\noutput: o\n")
-    answer = cli("run", "run.yaml")
-    assert answer.stderr.count(DROPS) == 1
-    assert "leave `base: {mass: 0}` out of the table" in answer.stderr
-    assert "profile: gazebo" in answer.stderr
-    assert "and 30 more notices: the manifest has all of them" in answer.stderr
-    report = json.loads((folder / "o" / "report.json").read_bytes())
-    said = {row["name"]: [notice["message"] for notice in row["notices"]] for row in report["manipulators"]}
-    assert said.pop("weighed") == []
-    assert len(said) == 31
-    assert all(sum(DROPS in message for message in own) == 1 for own in said.values())
 
 
 @pytest.mark.parametrize("emitters", ["[{stage: urdf, options: {profile: gazebo}}]"])

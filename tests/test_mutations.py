@@ -1,8 +1,8 @@
 """Good tables, damaged: what is still read says what the damaged text says, to a reader that shares nothing with ours.
 
-The tables are those of `plugins/readers/test_dialects.py`: arms of known meaning in random dialects. The oracle below
+The tables are those of `random_dialects`: random arms in random random_dialects. The oracle below
 is a reader of its own: the standard library's csv module, exact fractions, arithmetic by Python's own grammar, and the
-words of the dialects. It is sure of what it reads, or says that it is not. Of every damaged table it must hold that
+words of the random_dialects. It is sure of what it reads, or says that it is not. Of every damaged table it must hold that
 
 - it is refused, with an error that can be read; or
 - the oracle is sure of it, and reads the same arm, number by number; or
@@ -17,20 +17,18 @@ from __future__ import annotations
 import ast
 import codecs
 import csv
-import importlib.util
 import io
 import math
 import operator
 import re
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import random_dialects
 from hypothesis import assume, event, given, settings, strategies as st
 
 from dh2urdf.errors import TableError
@@ -40,14 +38,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from dh2urdf.stages import Rejected
-
-PATH = Path(__file__).parent / "plugins" / "readers" / "test_dialects.py"
-SPEC = importlib.util.spec_from_file_location("reader_dialects", PATH)
-assert SPEC
-assert SPEC.loader
-dialects: Any = importlib.util.module_from_spec(SPEC)
-sys.modules[SPEC.name] = dialects  # its dataclasses look their module up
-SPEC.loader.exec_module(dialects)
 
 BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 
@@ -68,7 +58,7 @@ class Table:
 
 @st.composite
 def tables(draw: st.DrawFn) -> Table:
-    rows, convention, content = draw(dialects.dialects())
+    rows, convention, content = draw(random_dialects.dialects())
     bom, encoding = next(((bom, name) for bom, name in BOMS.items() if content.startswith(bom)), (b"", "utf-8"))
     text = re.sub("\r\n?", "\n", content[len(bom) :].decode(encoding))
     return Table(text, bom, encoding, convention, len(rows))
@@ -95,10 +85,10 @@ def with_index(word: str) -> str:
     return re.sub(r"[\s_.{}()$\\]", "", word.casefold()).replace("−", "-")
 
 
-HEADERS = {plain(word): field for field, words in dialects.HEADERS.items() for word in words}
-PREVIOUS = {with_index(word): field for field, words in dialects.PREVIOUS.items() for word in words}
+HEADERS = {plain(word): field for field, words in random_dialects.HEADERS.items() for word in words}
+PREVIOUS = {with_index(word): field for field, words in random_dialects.PREVIOUS.items() for word in words}
 PREVIOUS |= {word.replace("i-1", "-1"): field for word, field in PREVIOUS.items()}  # which can mean nothing else
-TYPES = {word.casefold(): kind for kind, words in dialects.TYPES.items() for word in words}
+TYPES = {word.casefold(): kind for kind, words in random_dialects.TYPES.items() for word in words}
 CONVENTIONS = {"standard": Convention.STANDARD, "dh": Convention.STANDARD, "classic": Convention.STANDARD}
 CONVENTIONS |= {"mdh": Convention.MODIFIED, "craig": Convention.MODIFIED}
 CONVENTION = re.compile(r"[\W_]*" + r"[\W_]*".join("convention") + r"[\W_]+(.*)", re.IGNORECASE)
@@ -256,7 +246,7 @@ def named(cell: str) -> tuple[str | None, str | None]:
 
 
 def is_unknown(cell: str) -> bool:
-    """Whether a header is no word of the dialects."""
+    """Whether a header is no word of the random_dialects."""
     try:
         named(cell)
     except UnknownHeaderError:
@@ -325,7 +315,7 @@ def same(arm: Manipulator, reading: Reading) -> None:
 def read(content: bytes) -> list[Manipulator | Rejected] | None:
     """What our reader gives; None where it refuses the file, whose error must be one that can be read."""
     try:
-        items: list[Manipulator | Rejected] = dialects.read(content, ".csv")
+        items: list[Manipulator | Rejected] = random_dialects.read(content)
     except TableError as error:
         assert error.problems
         assert all(problem.severity == "error" and problem.message for problem in error.problems)

@@ -10,12 +10,9 @@ from __future__ import annotations
 
 import json
 import random
-import re
 from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, replace
-from itertools import groupby, pairwise
-from operator import itemgetter
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -25,7 +22,6 @@ from file_texts import File, flow
 from known_arms import KnownArm
 from known_quantities import Text
 from known_tables import Arm, Column, Table
-from known_words import header_words
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
@@ -165,66 +161,22 @@ def _put(row: int, name: str, text: str) -> Callable[[Table], Any]:
     return put
 
 
-def neighbours() -> Iterator[Change]:
-    """Two cells of a row, or of a column, exchanged."""
-    names = list(ROWS[0])
-    for row, texts in enumerate(ROWS):
-        for one, other in pairwise(names):
-            if texts[one] != texts[other]:
-                changes = f"{path_of(row, one)}|{path_of(row, other)}"
-                words = (one, other, *_kin(one), *_kin(other))
-                yield Change(
-                    f"{one} and {other} of row {row + 1} exchanged", _swap(row, one, row, other), changes, words
-                )
-        for name in names if row else ():
-            if ROWS[row - 1][name] != texts[name]:
-                changes = f"{path_of(row - 1, name)}|{path_of(row, name)}"
-                yield Change(
-                    f"{name} of rows {row} and {row + 1} exchanged",
-                    _swap(row - 1, name, row, name),
-                    changes,
-                    (name, *_kin(name)),
-                )
-
-
-def _swap(row: int, name: str, other_row: int, other: str) -> Callable[[Table], Any]:
-    def swap(content: Table) -> None:
-        rows = content.arms[0].rows
-        rows[row][name], rows[other_row][other] = rows[other_row][other], rows[row][name]
-
-    return swap
-
-
 def rows_and_columns() -> Iterator[Change]:
     """Rows and columns lost, doubled and exchanged."""
     count = len(ROWS)
     for row in range(count):
-        yield Change(f"row {row + 1} lost", _drop_row(row), r"\.rows\..*", ())
+        yield Change(f"row {row + 1} lost", lambda content, row=row: content.arms[0].rows.pop(row), r"\.rows\..*", ())
         yield Change(
             f"row {row + 1} doubled",
-            _double_row(row),
+            lambda content, row=row: content.arms[0].rows.insert(row, content.arms[0].rows[row]),
             None,
             (ROWS[row]["joint"],),
         )
     for index, name in enumerate(ROWS[0]):
         changes = "|".join(path_of(row, name) for row in range(count))
-        yield Change(f"column {name} lost", _drop_column(index), changes, (name, *_kin(name)))
-
-
-def _drop_row(row: int) -> Callable[[Table], Any]:
-    return lambda content: content.arms[0].rows.pop(row)
-
-
-def _double_row(row: int) -> Callable[[Table], Any]:
-    return lambda content: content.arms[0].rows.insert(row, content.arms[0].rows[row])
-
-
-def _drop_column(index: int) -> Callable[[Table], Any]:
-    return lambda content: content.columns.pop(index)
-
-
-def _unsay(key: str) -> Callable[[Table], Any]:
-    return lambda content: content.said.pop(key)
+        yield Change(
+            f"column {name} lost", lambda content, index=index: content.columns.pop(index), changes, (name, *_kin(name))
+        )
 
 
 def said() -> Iterator[Change]:
@@ -232,7 +184,7 @@ def said() -> Iterator[Change]:
     for key, value in SAID.items():
         if key not in ("units", "convention"):
             pattern = {"defaults": r"\.(geometry|density).*"}.get(key, rf"\.{key}.*")
-            yield Change(f"{key} lost", _unsay(key), pattern, (key,))
+            yield Change(f"{key} lost", lambda content, key=key: content.said.pop(key), pattern, (key,))
         slips = {key[:k] + key[k + 1 :] for k in range(len(key))} | {f"{key}s", f"my_{key}", key[::-1]}
         for slip in sorted(slips - OTHER_WORDS):
             yield Change(f"{key} called {slip}", _rename(key, slip), None, (slip, key.removesuffix("s")))
@@ -301,39 +253,6 @@ def _rename_in(path: tuple[Any, ...], name: str) -> Callable[[Table], Any]:
     return rename
 
 
-def headers() -> Iterator[Change]:
-    """One letter of a header lost, doubled or exchanged, a unit that contradicts, a unit of nothing."""
-    known = {word.casefold() for field in FIELDS for word in header_words(field)}
-    for index, name in enumerate(ROWS[0]):
-        slips = {name[:k] + name[k + 1 :] for k in range(len(name))} | {
-            name[:k] + name[k] + name[k:] for k in range(len(name))
-        }
-        slips |= {name[:k] + "x" + name[k + 1 :] for k in range(len(name))} | {f"{name} 2", f"{name}_raw", f"my {name}"}
-        plain = re.compile(r"[\s_.*{}$-]")  # what does not matter in a header
-        for slip in sorted(slips - known - {"", *OTHER_WORDS}):
-            if plain.sub("", slip) == plain.sub("", name):
-                continue
-            yield Change(f"header {name} as {slip}", _head(index, slip), None, (slip, name))
-        for unit in ("kg", "inch", "furlong", "s", "%"):
-            if name in ("joint", "link", "type", "sign") and unit not in ("kg", "inch"):
-                continue  # a remark
-            if (name, unit) not in (
-                ("mass", "kg"),
-                ("armature", "kg"),
-            ):
-                header = f"{name} [{unit}]"
-                yield Change(
-                    f"header {header}", _head(index, header), ".*" if unit == "inch" else None, (header, unit, name)
-                )
-
-
-def _head(index: int, header: str) -> Callable[[Table], Any]:
-    def head(content: Table) -> None:
-        content.columns[index] = replace(content.columns[index], header=header)
-
-    return head
-
-
 def options() -> Iterator[Change]:
     """What an option says beside what the table says: never without effect."""
     for name, value in (
@@ -365,10 +284,8 @@ def _option(name: str, value: Any) -> Callable[[Table], Any]:
 
 KINDS = {
     "cells": cells,
-    "neighbours": neighbours,
     "rows and columns": rows_and_columns,
     "said": said,
-    "headers": headers,
     "options": options,
 }
 
@@ -380,7 +297,6 @@ KINDS = {
         for kind in KINDS
         for reader, count in DIALECTS.items()
         for seed in range(TRIED if reader == "xlsx" else count)
-        if kind != "headers" or reader not in ("yaml", "json")  # keys have no units: these are changed below
     ],
 )
 def test_every_change_has_an_effect(kind: str, reader: str, seed: int, tmp_path: Path) -> None:
@@ -538,120 +454,19 @@ def test_every_key_and_value_of_yaml_has_an_effect(what: str, suffix: str, tmp_p
     assert not silent, "\n".join(f"{name}: {missing}" for name, missing in silent.items())
 
 
-# --- Units in headers, several manipulators, lines above the header ---------------------------------------------------
-
-UNITS = dict.fromkeys(("a", "d", "com_x", "com_y", "com_z", "radius"), "mm") | dict.fromkeys(("alpha", "theta"), "deg")
+# --- Python -----------------------------------------------------------------------------------------------------------
 
 
-def with_units() -> Table:
-    """The table with its units in the headers, and in the cells of columns that are angles and lengths."""
-    content = table()
-    kinds = ("mass", "inertia", "effort", "damping")
-    content.said = {"convention": "standard", "units": {kind: SAID["units"][kind] for kind in kinds}}
-    content.columns = [Column(name, f"{name} [{UNITS[name]}]" if name in UNITS else name) for name in ROWS[0]]
-    for row in content.arms[0].rows:
-        slides = row["type"].bare == "prismatic"
-        for name, units in (("offset", "deg mm"), ("lower", "deg mm"), ("upper", "deg mm"), ("velocity", "deg/s mm/s")):
-            if row[name].bare:
-                text = f"{row[name].bare} {units.split()[slides]}"
-                row[name] = Text(text, text)
-    return content
-
-
-@pytest.mark.parametrize("reader", ["csv", "parquet"])
-@pytest.mark.parametrize("name", ["a", "alpha", "radius"])
-def test_the_unit_of_a_header_has_an_effect(reader: str, name: str, tmp_path: Path) -> None:
-    """Another unit is another number in this column, and no unit, or none that is known, is worth a message."""
-
-    def read(content: Table) -> Outcome:
-        return outcome(WRITERS[reader](random.Random(2), content, bulk=False), {}, tmp_path)  # noqa: S311 - no secret
-
-    before = read(with_units())
-    assert not before.refused, [str(problem) for problem in before.problems]
-    index = list(ROWS[0]).index(name)
-    changes = "|".join(path_of(row, name) for row in range(len(ROWS)))
-    others = {"mm": ["cm", "m", "µm"], "deg": ["rad"]}[UNITS[name]]
-    for unit in (*others, *(("",) if name != "radius" else ()), "[mn]", "[kg]", "[dge]"):
-        content = with_units()
-        header = f"{name} {unit}" if unit[:1] in ("", "[") else f"{name} [{unit}]"
-        content.columns[index] = Column(name, header.strip())
-        missing = has_effect(before, read(content), changes=changes if unit in others else None, words=(name,))
-        assert missing is None, f"{header}: {missing}"
-
-
-PLAIN = "robot,i,joint,link,type,a,alpha,d,theta,offset,lower,upper,velocity,effort"
-
-
-def many(count: int) -> list[list[str]]:
-    """Plain rows of some arms, as they are read fast."""
-    rows = []
-    for arm in range(count):
-        rows.append(
-            [f"r{arm}", "1", "turn", "mast", "R", "0.5", "0.25", "0.75", "0.125", "0.3", "-1", "1.5", "2", "30"]
-        )
-        rows.append(
-            [f"r{arm}", "2", "slide", "boom", "P", "0.6", "0.35", "0.85", "0.225", "0.4", "0", "2.5", "3", "40"]
-        )
-    return rows
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("reader", "place"), [("csv", 179), ("parquet", 179)])
-def test_a_cell_has_its_effect_at_every_place_of_a_file(reader: str, place: int, tmp_path: Path) -> None:
-    """Of 180 arms, which are more than one batch, the one changes whose cell is changed, in that field, fast or with care; or it is refused."""
-    names = PLAIN.split(",")
-
-    def read(rows: list[list[str]]) -> Outcome:
-        columns = [Column(name, name) for name in names[1:]]
-        arms = []
-        for robot, some in groupby(rows, key=itemgetter(0)):
-            cells = [{name: Text(text, text) for name, text in zip(names, row, strict=True)} for row in some]
-            arms.append(Arm(KnownArm(robot, "standard", []), {}, cells))
-        rng = random.Random(1)  # noqa: S311 - no secret
-        extra = {"plain": True} if reader == "csv" else {}
-        return outcome(
-            WRITERS[reader](rng, Table(columns, arms), bulk=True, **extra), {"convention": "standard"}, tmp_path
-        )
-
-    before = read(many(180))
-    assert not before.refused
-    for index, name in enumerate(names):
-        for row in (0, 1):
-            for what, new in _place_texts(name, many(1)[row][index]):
-                rows = many(180)
-                rows[2 * place + row][index] = new
-                after = read(rows)
-                wanted = path_of(row, name) if name not in ("robot", "i") else ".*"
-                changes = rf"arm {place}({wanted})"
-                if name == "robot":
-                    changes = ".*"
-                missing = has_effect(before, after, changes=changes, words=(name, new, "index"))
-                assert missing is None, f"{what} in {name} of row {row + 1}: {missing}"
-
-
-def _place_texts(name: str, text: str) -> Iterator[tuple[str, str]]:
-    if name in ("robot", "joint", "link"):
-        yield "a letter more", text + "x"
-    elif name == "i":
-        yield "another number", "7"
-    elif name == "type":
-        yield "another type", "continuous"
-    else:
-        yield "a digit more", f"{text}1" if "." in text else f"{text}.1"
-
-
-@pytest.mark.parametrize("function", [dh2urdf.read])
 @pytest.mark.parametrize(
     "name", ["convention", "length_unit", "angle_unit", "units", "base", "tool", "payload", "calibration"]
 )
-def test_an_argument_of_python_has_an_effect(function: Any, name: str, tmp_path: Path) -> None:
+def test_an_argument_of_python_has_an_effect(name: str, tmp_path: Path) -> None:
     """Another value is another arm; a name that is misspelt, or a value that is none, is refused by its name."""
     path = tmp_path / "arm.csv"
     path.write_text("a,alpha,d,theta\n0.5,0.25,0.1,0.125\n0.3,0,0,0\n")
 
     def call(**options: Any) -> Any:
-        made = function(path, **options)
-        return list(made) if function is dh2urdf.read_all else getattr(made, "manipulator", made)
+        return dh2urdf.read(path, **options)
 
     default: dict[str, Any] = {"convention": "standard"}
     values: dict[str, Any] = {"convention": "mdh", "length_unit": "cm", "angle_unit": "deg"}

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -140,52 +139,12 @@ def test_in_a_run_the_bad_ones_keep_their_older_files(dh2urdf: Any, tmp_path: Pa
 # --- A system that refuses --------------------------------------------------------------------------------------------
 
 
-def small_files(size: int) -> Callable[[], None]:
-    """Lets a process write no file beyond a size: as on a full disk, part of a file is written, and the rest fails."""
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
-    return limit
-
-
 def command(folder: Path, *words: str, **options: Any) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}  # Byte code would be among the files that fail.
     arguments = [sys.executable, "-c", MAIN, *words]
     return subprocess.run(
         arguments, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=120, **options
     )
-
-
-@pytest.mark.parametrize("size", [1000])
-@pytest.mark.parametrize("target", ["new.urdf", "old.urdf"])
-def test_a_full_disk_costs_a_conversion_one_line_and_no_file(tmp_path: Path, target: str, size: int) -> None:
-    """A file that cannot be finished is not there, and the older one is; the line names file and reason."""
-    (tmp_path / "arm.csv").write_text(URDF)
-    (tmp_path / "old.urdf").write_text("old")
-    before = files(tmp_path)
-    result = command(
-        tmp_path, "convert", "arm.csv", "--convention", "standard", "-o", target, preexec_fn=small_files(size)
-    )
-    assert (result.returncode, result.stdout) == (2, "")
-    assert result.stderr == f"error: cannot write '{target}': File too large\n"
-    assert files(tmp_path) == before
-
-
-@pytest.mark.parametrize("workers", [2])
-def test_a_full_disk_ends_a_run_with_one_line(tmp_path: Path, workers: int) -> None:
-    """No half of a file stays, and no temporary folder; what an earlier run wrote does."""
-    (tmp_path / "arms.csv").write_text(table(f"arm{number}" for number in range(20)))
-    run_file(tmp_path, workers=workers)
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "arm7.urdf").write_text("old")
-    before = files(tmp_path)
-    result = command(tmp_path, "run", "run.yaml", preexec_fn=small_files(5000))
-    assert (result.returncode, result.stdout) == (2, "")
-    (line,) = result.stderr.splitlines()
-    assert line.startswith("error: cannot write 'out/arm")
-    assert line.endswith("': File too large")
-    assert files(tmp_path) == before
 
 
 @pytest.mark.parametrize("words", [["run", "run.yaml", "--json"]])

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.quantities.units import UNITS
+from dh2urdf.quantities import UNITS, number_in
 from dh2urdf.source import listed
-from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

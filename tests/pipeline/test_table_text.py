@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import LinkGeometry
-from dh2urdf.quantities import UNITS, Dimension, evaluate
+from dh2urdf.quantities import UNITS, Dimension, evaluate, number_in
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.table_text import Place, TableText, WrittenTable
-from dh2urdf.table_text.texts import number_in, table_text, transform_text, yaml_word
+from dh2urdf.table_text.texts import table_text, transform_text, yaml_word
 
 if TYPE_CHECKING:
     from conftest import ReferenceRobot

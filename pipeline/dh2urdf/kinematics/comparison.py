@@ -12,11 +12,10 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
 from dh2urdf.manipulator import FLANGE, TOOL, Convention, JointType, Manipulator
-from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
-from dh2urdf.table_text.texts import number_in
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
         format_number as format_number,
         format_numbers as format_numbers,
         format_rows as format_rows,
+        number_in as number_in,
     )
     from dh2urdf.quantities.quantity import Quantity as Quantity, evaluate as evaluate, is_zero as is_zero
     from dh2urdf.quantities.spellings import (
@@ -35,7 +36,7 @@ else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
-            "number_text": "format_rows format_number format_numbers",
+            "number_text": "format_rows format_number format_numbers number_in",
             "grammar": "MAX_CHARACTERS",
             "quantity": "Quantity evaluate is_zero",
             "spellings": "DEGREE_SIGNS composed plain_text unwrapped",

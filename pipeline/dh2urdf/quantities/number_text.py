@@ -8,12 +8,20 @@ float and an ``xsd:double`` alike.
 
 from __future__ import annotations
 
+import math
 from itertools import repeat
 from typing import TYPE_CHECKING, Any
+
+from dh2urdf.quantities.units import Dimension
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from dh2urdf.quantities.units import Unit
+
+_PARTS_OF_PI = (1, 2, 3, 4, 6, 12)
+_LARGEST_MULTIPLE = 48
+_PLAIN_LENGTH = 24
 _MANY = 16
 """Numbers that orjson formats faster than `repr`, by more than the call takes."""
 _TOLD_APART_BY = 8
@@ -50,6 +58,39 @@ def format_numbers(numbers: Iterable[float]) -> list[str]:
         culprit = next(double for double, word in zip(doubles, text[1:-1].split(","), strict=True) if word == "null")
         raise ValueError(f"{culprit} is not a finite number and cannot be written")
     return _words(text[1:-1]) if doubles else []
+
+
+def number_in(value: float, unit: Unit) -> str:
+    """The text of an SI value in a unit: the shortest that reads back to the same double, where there is one."""
+    if unit.degrees:
+        return _shortest(value, math.degrees(value), unit)
+    if unit.dimension is Dimension.ANGLE:
+        return _multiple_of_pi(value) or format_number(value)
+    from decimal import Decimal
+
+    shifted = Decimal(repr(float(value))).scaleb(-unit.power).normalize()
+    plain = format(shifted, "f")
+    return format_number(0.0) if not shifted else plain if len(plain) <= _PLAIN_LENGTH else str(shifted)
+
+
+def _multiple_of_pi(value: float) -> str | None:
+    """``pi/2``, ``-3*pi/4``: a simple multiple of π that is the value to the last bit; None where it is none."""
+    for part in _PARTS_OF_PI:
+        times = round(value / math.pi * part)
+        if times and abs(times) <= _LARGEST_MULTIPLE and times * math.pi / part == value:
+            factor = "" if abs(times) == 1 else f"{abs(times)}*"
+            return f"{'-' if times < 0 else ''}{factor}pi{f'/{part}' if part > 1 else ''}"
+    return None
+
+
+def _shortest(value: float, number: float, unit: Unit) -> str:
+    """The text of a number of a unit with the fewest digits that is the SI value to the last bit."""
+    for digits in (6, 9, 12, 14):
+        rounded = float(f"{number:.{digits}g}")
+        if unit.si(rounded) == value:
+            return format_number(rounded)
+    near = (number, math.nextafter(number, -math.inf), math.nextafter(number, math.inf))
+    return format_number(next((candidate for candidate in near if unit.si(candidate) == value), number))
 
 
 def format_rows(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[list[bytes]]]:

@@ -9,7 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.quantities.number_text import format_number
+from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import IDENTITY, NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
@@ -23,11 +23,8 @@ if TYPE_CHECKING:
 
 _FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, Dimension.SPEED, Dimension.TURN_RATE)
 """What the units of lengths and angles hold for."""
-_PARTS_OF_PI = (1, 2, 3, 4, 6, 12)
-_LARGEST_MULTIPLE = 48
 _DOUBTED = 4 * math.pi
 """Bounds above it [rad] are written with their unit: without one, they may be degrees."""
-_PLAIN_LENGTH = 24
 _YAW_PLACES = 12
 """How many places of roll and yaw are tried near a pitch of ±π/2."""
 
@@ -70,19 +67,6 @@ def table_text(
             for row in manipulator.rows
         ),
     )
-
-
-def number_in(value: float, unit: Unit) -> str:
-    """The text of an SI value in a unit: the shortest that reads back to the same double, where there is one."""
-    if unit.degrees:
-        return _shortest(value, math.degrees(value), unit)
-    if unit.dimension is Dimension.ANGLE:
-        return _multiple_of_pi(value) or format_number(value)
-    from decimal import Decimal
-
-    shifted = Decimal(repr(float(value))).scaleb(-unit.power).normalize()
-    plain = format(shifted, "f")
-    return format_number(0.0) if not shifted else plain if len(plain) <= _PLAIN_LENGTH else str(shifted)
 
 
 def transform_text(
@@ -197,26 +181,6 @@ def _values(row: DHRow) -> dict[str, float | None]:
     if inertia is not None:
         values |= {name: getattr(inertia, name) for name in INERTIA}
     return values
-
-
-def _multiple_of_pi(value: float) -> str | None:
-    """``pi/2``, ``-3*pi/4``: a simple multiple of π that is the value to the last bit; None where it is none."""
-    for part in _PARTS_OF_PI:
-        times = round(value / math.pi * part)
-        if times and abs(times) <= _LARGEST_MULTIPLE and times * math.pi / part == value:
-            factor = "" if abs(times) == 1 else f"{abs(times)}*"
-            return f"{'-' if times < 0 else ''}{factor}pi{f'/{part}' if part > 1 else ''}"
-    return None
-
-
-def _shortest(value: float, number: float, unit: Unit) -> str:
-    """The text of a number of a unit with the fewest digits that is the SI value to the last bit."""
-    for digits in (6, 9, 12, 14):
-        rounded = float(f"{number:.{digits}g}")
-        if unit.si(rounded) == value:
-            return format_number(rounded)
-    near = (number, math.nextafter(number, -math.inf), math.nextafter(number, math.inf))
-    return format_number(next((candidate for candidate in near if unit.si(candidate) == value), number))
 
 
 def _geometry(geometry: LinkGeometry | None, length: Unit) -> str:

@@ -13,10 +13,11 @@ from dh2urdf.kinematics.comparison import DECIMALS, POSES, TOLERANCE, Agreement,
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
 from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.quantities import number_in
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.stage_calls.calls import default_call
-from dh2urdf.table_text.texts import dimension_of, number_in, table_text, unit_of
+from dh2urdf.table_text.texts import dimension_of, table_text, unit_of
 from dh2urdf_studio.drawing.parts import BESIDE
 from dh2urdf_studio.drawing.scene import Figure
 from dh2urdf_studio.editing import edits

@@ -22,10 +22,9 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import row_transform
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
-from dh2urdf.quantities import UNITS, format_number
+from dh2urdf.quantities import UNITS, format_number, number_in
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, free_name
-from dh2urdf.table_text.texts import number_in
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.quantities import UNITS
+from dh2urdf.quantities import UNITS, number_in
 from dh2urdf.source import markdown_text
 from dh2urdf.table_text import PARAMETERS
-from dh2urdf.table_text.texts import number_in, transform_text
+from dh2urdf.table_text.texts import transform_text
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:

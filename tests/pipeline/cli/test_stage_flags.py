@@ -60,16 +60,6 @@ def test_a_plugin_s_option_is_a_flag(dh2urdf: Callable[..., subprocess.Completed
         assert "No such option" in dh2urdf(*words, word, "x", path=[plugin], status=2).stderr
 
 
-def test_a_flag_that_the_chosen_stage_has_not(
-    dh2urdf: Callable[..., subprocess.CompletedProcess[str]], plugin: Path
-) -> None:
-    """It is an error that lists the options which the stage has."""
-    refused = dh2urdf("convert", "arm.csv", "-o", "arm.sdf", "--greeting", "x", path=[plugin], status=2)
-    assert "field 'greeting': the emitter 'sdf' has no such option" in refused.stderr
-    refused = dh2urdf("convert", "arm.csv", "--without", "lab-note", "--greeting", "x", path=[plugin], status=2)
-    assert "No such option" in refused.stderr
-
-
 def test_a_plugin_is_not_imported_for_the_flags_of_others(
     dh2urdf: Callable[..., subprocess.CompletedProcess[str]], plugin: Path
 ) -> None:

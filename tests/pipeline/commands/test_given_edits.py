@@ -69,20 +69,6 @@ def test_a_file_of_an_edit_is_one_of_the_working_directory() -> None:
     assert "0.301" in made.text
 
 
-@pytest.mark.parametrize(
-    ("word", "message"),
-    [
-        ("paylod", "no edit is named 'paylod'"),
-        ("payload: {mas: 3}", "command line: error: field 'mas': the edit 'payload' has no such option"),
-        ("payload: {mass: 3", "--edit 'payload: {mass: 3' cannot be read: this is not valid YAML"),
-    ],
-)
-def test_what_is_no_edit_is_refused(cli: Callable[..., Answer], word: str, message: str) -> None:
-    said = cli("convert", "arm.csv", "--edit", word, "-o", "arm.urdf", status=2).stderr
-    assert message in said
-    assert not Path("arm.urdf").exists()
-
-
 def test_an_edit_may_be_written_as_in_a_run_file(cli: Callable[..., Answer]) -> None:
     """Messages and pages write `{stage: NAME, options: {…}}`: it is the same edit on the command line and in Python."""
     short = cli("convert", "arm.csv", "--edit", "payload: {mass: 2}", "--quiet").stdout

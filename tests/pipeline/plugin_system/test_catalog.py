@@ -147,11 +147,10 @@ class TestBrokenPlugins:
         ("hooks", "reason"),
         [
             ({"dh2urdf_readerz": lambda: ()}, "PluginValidationError: unknown hook 'dh2urdf_readerz'"),
-            ({"dh2urdf_readerz": lambda: ()}, f"; {HOOKS}"),
             ({"dh2urdf_readers": with_a_parameter}, "_color"),
             ({}, f"with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}"),
         ],
-        ids=["unknown hook", "list of hooks", "wrong signature", "no hook"],
+        ids=["unknown hook", "wrong signature", "no hook"],
     )
     def test_at_registration(self, hooks: dict[str, Any], reason: str) -> None:
         """A hook that does not exist or has parameters breaks its plugin, and so does having none; others work."""
@@ -253,22 +252,17 @@ class TestSuffixes:
         """Of several suffixes that a name has, the longest chooses the emitter."""
         assert self.CATALOG.emitter_for(Path(file)).name == stage
 
-    @pytest.mark.parametrize("file", ["a.xls", "csv", ".csv", "a.csv.txt", "a"])
-    def test_an_unknown_suffix(self, file: str) -> None:
-        """A suffix that no reader takes is an error with all that are taken, and another way to choose."""
-        with pytest.raises(InputError) as caught:
-            self.CATALOG.reader_for(Path("folder") / file)
-        assert "ends in .csv, .tsv, .yaml" in str(caught.value)
-
-    def test_a_suffix_that_two_readers_take(self) -> None:
-        """Two readers of one suffix are an error that names both with their distributions, and says how to choose."""
-        catalog = Catalog([readers("one", reader("mine", ".csv")), readers("two", reader("yours", ".csv"))])
-        with pytest.raises(InputError) as caught:
-            catalog.reader_for(Path("arm.csv"))
-        message = str(caught.value)
-        assert "'mine' of one 1.0" in message
-        assert "'yours' of two 1.0" in message
-        assert "`stage: NAME`" in message
+    @pytest.mark.parametrize("file", ["a.xls", ".csv", "a.csv.txt", "a"])
+    def test_a_suffix_has_one_reader(self, file: str) -> None:
+        """A suffix that no reader takes is an error, and so is one that two take."""
+        twice = Catalog([readers("one", reader("mine", ".csv")), readers("two", reader("yours", ".csv"))])
+        for catalog, path, code in (
+            (self.CATALOG, file, "no-stage-for-file"),
+            (twice, "a.csv", "several-stages-for-file"),
+        ):
+            with pytest.raises(InputError) as caught:
+                catalog.reader_for(Path("folder", path))
+            assert caught.value.problems[0].code == code
 
 
 class TestEntryPoints:

@@ -101,13 +101,11 @@ class TestLeavingOut:
         assert any(plugin.is_of("other") for plugin in found.plugins)
 
     def test_a_name_that_nobody_has(self, site: Path, install: Callable[..., None]) -> None:
-        """It is an error that lists what is there and what was probably meant; all such names are told at once."""
+        """All such names are told at once."""
         install(site, "lab-tools", READER, plugin="first")
         with pytest.raises(ConfigError) as caught:
             installed(["lab-tool", "zzz"])
         assert [problem.found for problem in caught.value.problems] == ["lab-tool", "zzz"]
-        assert "lab-tools (plugin first)" in str(caught.value)
-        assert "did you mean 'lab-tools'?" in str(caught.value)
 
 
 class TestPlugin:

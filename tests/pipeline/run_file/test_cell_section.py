@@ -3,8 +3,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import pytest
-
 from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.robot import Origin
 from dh2urdf.run_file.config import load_config
@@ -19,13 +17,6 @@ def config(folder: Path, cells: str, *settings: str) -> RunConfig:
     (folder / "a.csv").touch()
     (folder / "run.yaml").write_text(f"inputs: a.csv\ncells:\n{cells}\n")
     return load_config(folder / "run.yaml", settings)
-
-
-def problem(folder: Path, arms: str) -> str:
-    """What is wrong with a cell of these arms, which are in the fourth line of the run file."""
-    found = config(folder, f"- name: pair\n  arms: [{arms}]").problems
-    assert len(found) == 1, [str(each) for each in found]
-    return str(found[0]).removeprefix(f"{folder}/")
 
 
 def test_a_cell_is_read(tmp_path: Path) -> None:
@@ -73,24 +64,6 @@ def test_arms_stand_after_what_holds_them(tmp_path: Path) -> None:
     assert [arm.name for arm in cell.arms] == ["d", "a", "b", "c"]
 
 
-@pytest.mark.parametrize(
-    ("arms", "place", "message"),
-    [
-        ("{name: a, of: x, parent: b/tool0}, {name: b, of: x, parent: a/tool0}", "4:35", "hold each other in a circle"),
-        ("{name: left, of: x}, {name: hand, of: x, parent: left}", "4:59", "an arm's tool is 'left/tool0'"),
-        ("{name: a, of: x}, {name: b, of: x, parent: c/tool0}", "4:53", "the cell has no arm 'c' that could hold 'b'"),
-        ("{name: a, of: x, prefix: p}, {name: b, of: x, prefix: p}", "4:39", "the first is at run.yaml:4:10"),
-        ("{name: a}", "4:10", "field 'cells.0.arms.0.of': a run file needs this key"),
-        ("", "4:9", "a run file cannot take an empty list here"),
-    ],
-)
-def test_a_faulty_cell_is_an_error_at_its_place(tmp_path: Path, arms: str, place: str, message: str) -> None:
-    """Line and column, and what is wrong."""
-    found = problem(tmp_path, arms).replace(f"{tmp_path}/", "")
-    assert found.startswith(f"run.yaml:{place}: error: ")
-    assert message in found
-
-
 def test_all_faults_are_said_at_once(tmp_path: Path) -> None:
     """One of every cell and arm, together with those of other sections."""
     text = "- {arms: [{name: a, of: x}]}\n- {name: p, arms: [{of: x}, {name: b}]}\n- 7\nproof: {poses: 0}"
@@ -98,14 +71,3 @@ def test_all_faults_are_said_at_once(tmp_path: Path) -> None:
     assert [each.field for each in found] == [
         *("cells.0.name", "cells.1.arms.0.name", "cells.1.arms.1.of", "cells.2", "proof.poses")
     ]
-
-
-def test_two_cells_of_one_name_are_refused(tmp_path: Path) -> None:
-    """The second is told where the first stands."""
-    text = "- {name: p, arms: [{name: a, of: x}]}\n- {name: p, arms: [{name: a, of: x}]}"
-    (found,) = config(tmp_path, text).problems
-    assert found.message == "two cells are named 'p'"
-    assert found.mark is not None
-    assert found.mark.line == 4
-    assert found.suggestion is not None
-    assert found.suggestion.endswith("run.yaml:3:3")

@@ -55,32 +55,3 @@ def test_every_setting_is_read(folder: Path) -> None:
     assert changed.problems == ()
     assert changed.output.layout == Layout(form=Form.FOLDERS, size=500)
     assert (changed.sample.every, changed.execution.time_limit, changed.proof.proved.first) == (7, 60.0, 0)
-
-
-WHOLE = "accepted: a whole number from"
-
-
-@pytest.mark.parametrize(
-    ("text", "place", "message"),
-    [
-        (
-            "output: {layout: shard}",
-            "2:18",
-            (
-                "field 'output.layout': a run file cannot take the text 'shard' here\n"
-                "    accepted: files, folders or shards\n    did you mean 'shards'?"
-            ),
-        ),
-        (
-            "sample: {first: -1}",
-            "2:17",
-            f"field 'sample.first': a run file cannot take the number -1 here\n    {WHOLE} 0 to ",
-        ),
-        ("execution: {time_limit: .inf}", "2:25", "a run file cannot take the number .inf here"),
-    ],
-)
-def test_a_wrong_setting_has_one_message_with_its_place(folder: Path, text: str, place: str, message: str) -> None:
-    """The value as it stands, what is accepted, and what was probably meant."""
-    (problem,) = config(folder, text).problems
-    assert str(problem).startswith(f"run.yaml:{place}: error: ")
-    assert message in str(problem)

@@ -112,47 +112,6 @@ class TestRight:
 
 
 @pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("{count: 5, vary: [RULE]}", "field 'variations.0.of': a run file needs this key"),
-        ("{of: arm, vary: [RULE]}", "the number of variants is missing"),
-        ("[{of: arm, count: 5, vary: RULE}, {of: arm, count: 5, vary: RULE}]", "two variations are named 'arm'"),
-    ],
-)
-def test_a_variation_that_is_wrong(text: str, message: str) -> None:
-    """Has one problem, with its place."""
-    calls, (problem,) = read(text)
-    assert len(calls) < 2
-    assert problem.startswith("run.yaml:2:")
-    assert message in problem
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("rule", "message"),
-    [
-        ("{joints: 1, field: a}", "nothing says how it varies"),
-        ("{joints: 1, field: alhpa, scale: [1, 2]}", "did you mean 'alpha'?"),
-        ("{joints: [true], field: a, scale: [1, 2]}", "the truth value true is no joint"),
-        ("{field: axes, choices: [0]}", "the number 0 is no number of axes"),
-        ("{joints: 1, field: type, choices: [revolut]}", "did you mean 'revolute'?"),
-        ("{joints: 1, field: a, choices: [90 deg]}", "'90 deg' is an angle, and a length is needed"),
-        ("{joints: 1, field: a, grid: {from: 1, points: 3}}", "a run file needs this key"),
-        ("{joints: 1, field: mass, uniform: [0, 1]}", "mass must be greater than 0"),
-        ("{joints: 1, field: a, normal: [1, 2]}", "accepted: a mapping of mean, deviation, bounds"),
-        ("{joints: 1, field: a, normal: {mean: 0, deviation: 1, bounds: [8, 9]}}", "the bounds leave hardly anything"),
-        ("{joints: 1, field: d, offset: [-20, 1]}", "if these are mm, say so: '-20 mm'; '-20 m' is read as such"),
-    ],
-)
-def test_a_rule_that_is_wrong(rule: str, message: str) -> None:
-    """Has a problem with its place in the file, and what is accepted or was meant."""
-    _, problems = read(f"{{of: arm, count: 5, vary: [{rule}]}}")
-    assert all(problem.startswith("run.yaml:2:") for problem in problems)
-    assert message in problems[0]
-
-
-@pytest.mark.usefixtures("folder")
 def test_all_problems_are_said_at_once() -> None:
     """Of every variation and every rule."""
     _, problems = read(

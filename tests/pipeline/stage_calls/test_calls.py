@@ -111,5 +111,5 @@ def test_a_group_of_nobody_is_left_out() -> None:
 
 @pytest.mark.parametrize("members", [(0, 0), (2,), (-1,)])
 def test_members_are_those_that_were_given_once_at_most(members: tuple[int, ...]) -> None:
-    with pytest.raises(StageError, match="not of 0 to 1, each once at most"):
+    with pytest.raises(StageError):
         read_columns(call_of([(members, ROBOT)]), [b"", b""])

@@ -422,7 +422,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 8980,
     "plugins/dh2urdf_plugins/transforms": 2310,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
-    "plugins/dh2urdf_studio": 7660,
+    "plugins/dh2urdf_studio": 7410,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

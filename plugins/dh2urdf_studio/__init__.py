@@ -19,13 +19,13 @@ def dh2urdf_commands() -> tuple[Subcommand, ...]:
         Subcommand(
             name="studio",
             summary="Type a table in the browser, see the arm move, press Generate.",
-            function="dh2urdf_studio.studio_command:command",
+            function="dh2urdf_studio.commands:studio",
             behind="collisions",
         ),
         Subcommand(
             name="view",
             summary="Show robots of URDF, xacro, tables and cells in the browser.",
-            function="dh2urdf_studio.view_command:command",
+            function="dh2urdf_studio.commands:view",
             behind="studio",
         ),
     )

@@ -1,19 +1,22 @@
-"""The studio as pages of a server: a session for every tab, which a reload finds again."""
+"""The studio as pages of a server: a session for every tab, which a reload finds again.
+
+What a person does on a page reaches the server once, though the connection breaks; see acts.js. NiceGUI's pages send it
+and wait for no answer: what is sent into a broken connection would be lost without a word.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fastapi import Response
-from nicegui import app, ui
+from nicegui import Client, app, core, ui
 
 from dh2urdf.errors import OutputError
-from dh2urdf_studio import dialogs
-from dh2urdf_studio.arrivals import Arrivals
-from dh2urdf_studio.drawing.mesh_store import MeshStore
+from dh2urdf_studio import dialogs, words
+from dh2urdf_studio.drawing.mesh_files import MeshStore
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.live_joints import LiveJoints, serve_joints
 from dh2urdf_studio.page import StudioPage
@@ -21,17 +24,60 @@ from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Iterable
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
 
 MOST_SESSIONS = 100
 """Tabs whose state is kept; the one that was not used for the longest time goes first."""
+MOST_PAGES = 1000
+"""Pages of which it is known what has arrived; of those that are gone, the one that was heard of first goes first."""
+KINDS = ("event", "javascript_response")
+"""The messages of NiceGUI that are acts: what was done to an element, and what the page was asked for."""
 _HERE = Path(__file__).parent
-
-
 S = TypeVar("S")
+
+
+class Arrivals:
+    """The acts that have arrived: each page counts its own from 1."""
+
+    def __init__(self) -> None:
+        self._last: OrderedDict[str, int] = OrderedDict()
+
+    def take(self, page: str, number: int) -> bool | None:
+        """Whether an act of a page arrives for the first time; None where one before it is missing.
+
+        What was lost with a connection is sent again as soon as the page is known to the server, and what a person does
+        meanwhile may overtake it.
+        """
+        last = self._last.get(page, 0)
+        if number > last + 1:
+            return None
+        self._last[page] = max(number, last)
+        self._last.move_to_end(page)
+        if len(self._last) > MOST_PAGES:
+            del self._last[next((each for each in self._last if each not in Client.instances), page)]
+        return number > last
+
+    def lost(self, page: str, acts: Iterable[tuple[int, str]]) -> list[str]:
+        """The words of those acts of a page that have not arrived."""
+        return [told for number, told in acts if number > self._last.get(page, 0)]
+
+    def serve(self) -> None:
+        """Takes acts from pages; the answer is whether an act is here and need not be sent again."""
+        do = {kind: core.sio.handlers["/"][kind] for kind in KINDS}
+
+        def answer(sid: str, number: int, kind: str, message: dict[str, Any]) -> bool:
+            client = Client.instances.get(message["client_id"])
+            if client is None or not client.has_socket_connection:
+                return False
+            is_new = self.take(client.id, number)
+            if is_new:
+                do[kind](sid, message)
+            return is_new is not None
+
+        core.sio.on("act", answer)
 
 
 class Sessions(Generic[S]):
@@ -69,10 +115,14 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     app.on_shutdown(meshes.close)
     _serve(meshes)
 
+    def tell_lost(acts: list[str]) -> None:
+        if acts:
+            dialogs.warn(words.lost(acts))
+
     @ui.page("/")
     async def studio() -> None:
         dress()
-        ui.on("dh-lost", lambda event: dialogs.tell_lost(arrivals.lost(*event.args)))
+        ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
         await _unless_left(StudioPage(await sessions.of_this_tab(), meshes).start())
 
 

@@ -6,7 +6,7 @@ import json
 from contextlib import suppress
 from functools import partial
 from html import escape
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from nicegui import run, ui
@@ -14,15 +14,13 @@ from nicegui import run, ui
 from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import dialogs, words
-from dh2urdf_studio.arrivals import ANSWERED
 from dh2urdf_studio.drawing.parts import GREY
-from dh2urdf_studio.drawing.scene import LAYERS
+from dh2urdf_studio.drawing.scene import LAYERS, faded
 from dh2urdf_studio.editing.edits import MOST_ROWS
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
-from dh2urdf_studio.panels import sharing
-from dh2urdf_studio.widgets import Menu, act_once, icon_button, lay_menu_item
+from dh2urdf_studio.widgets import ANSWERED, Menu, act_once, icon_button, lay_menu_item, row_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping
@@ -31,7 +29,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
-    from dh2urdf_studio.widgets import ArmView
+    from dh2urdf_studio.widgets import ArmView, Panel, ShownScene
 
 SCHEMES = {"system": "as the system", "light": "light", "dark": "dark"}
 """The colour schemes."""
@@ -79,7 +77,7 @@ _QUIET = "flat dense no-caps color=white"
 class StudioHead:
     """The bar at the top of the studio: the name of the arm, undo and redo, opening, saving and generating."""
 
-    def __init__(self, session: Session, on: Mapping[str, Callable[..., Any]]) -> None:
+    def __init__(self, session: Session, on: Mapping[str, Callable[..., Any]], scene: Callable[[], ArmView]) -> None:
         self._session = session
         ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
         self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm" data-text=name')
@@ -93,17 +91,19 @@ class StudioHead:
         act_once(ui.button("Open", icon="folder_open").props(_QUIET), on["open"])
         with ui.button("Save", icon="save").props(_QUIET), Menu(items=True):
             for kind, name, told in savings(session.catalog):
-                lay_menu_item(told, partial(dialogs.save, session, kind, name))
-            self._menu = ui.element("div")
+                lay_menu_item(told, partial(dialogs.make, session, kind, name))
+            dialogs.lay_scene_items(scene, self._shown)
+            lay_menu_item("Link with this table", lambda: dialogs.show_link(session.table))
         lay_look()
         generate = ui.button("Generate", icon="precision_manufacturing")
         generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
-        act_once(generate, partial(dialogs.generate, session))
+        usual, failed = session.catalog.usual("emitter").name, "The URDF cannot be generated yet"
+        act_once(generate, lambda: dialogs.make(session, "robot", usual, failed))
 
-    def share(self, view: ArmView) -> None:
-        """Add to the menu what is made of the scene."""
-        with self._menu:
-            sharing.lay_items(self._session, view)
+    def _shown(self) -> ShownScene:
+        """What is on the screen now."""
+        session = self._session
+        return session.table.name, faded(session.drawing, session.opacities), session.joint_values(), session.layers
 
     def show(self) -> None:
         """Show the name, and whether an edit can be undone or done again."""
@@ -188,29 +188,25 @@ class TableBar:
         on_units: Callable[[str, str], Any],
         on_columns: Callable[[], None],
     ) -> None:
-        self._session = session
-        self._filling = False
+        self._session, self._filling = session, False
         self._on_convention, self._on_units = on_convention, on_units
-        with ui.element("div").classes("studio-row"):
-            with ui.element("div").classes("studio-group"):
+        group = partial(ui.element, "div")
+        with row_of():
+            with group().classes("studio-group"):
                 ui.label("axes").classes("studio-caption")
                 self._axes = ui.number(min=0, precision=0, format="%d")
                 self._axes.props('dense outlined aria-label="number of axes"').classes("studio-axes")
                 self._axes.props["autofocus"] = not session.table.rows  # to leave it costs the first key into a cell
                 for event in ("keydown.enter", "change"):
                     self._axes.on(event, js_handler=f"() => dhGrid.resize({MOST_ROWS})")
-            with ui.element("div").classes("studio-group"):
-                self._convention = ui.toggle([str(kind) for kind in Convention], on_change=self._choose_convention)
-                self._convention.props('dense unelevated no-caps toggle-color=primary aria-label="convention"')
-                self._convention.classes("studio-convention").on("click", js_handler="() => dhGrid.begin()")
-            with ui.element("div").classes("studio-group"):
-                self._length, self._angle = (
-                    ui.toggle(list(units), on_change=self._choose_units).props(
-                        f'dense unelevated no-caps aria-label="unit of {what}"'
-                    )
-                    for what, units in (("lengths", LENGTH_UNITS), ("angles", ANGLE_UNITS))
-                )
-            with ui.element("div").classes("studio-group"):
+            with group().classes("studio-group"):
+                self._convention = _toggle([*map(str, Convention)], "convention", self._choose_convention)
+                self._convention.props("toggle-color=primary").classes("studio-convention")
+                self._convention.on("click", js_handler="() => dhGrid.begin()")
+            with group().classes("studio-group"):
+                self._length = _toggle(LENGTH_UNITS, "unit of lengths", self._choose_units)
+                self._angle = _toggle(ANGLE_UNITS, "unit of angles", self._choose_units)
+            with group().classes("studio-group"):
                 for name, (icon, told) in ROW_ACTS.items():
                     icon_button(icon, told).on("click", js_handler=f"() => dhGrid.press('{name}')")
                 icon_button("view_column", "show all columns, or those in use", on_columns)
@@ -233,6 +229,11 @@ class TableBar:
         table, units = self._session.table, (self._length.value, self._angle.value)
         if not self._filling and units != (table.length_unit, table.angle_unit):
             await self._on_units(*units)
+
+
+def _toggle(choices: Iterable[str], told: str, act: Callable[..., Any]) -> ui.toggle:
+    """Buttons of which one is pressed."""
+    return ui.toggle(list(choices), on_change=act).props(f'dense unelevated no-caps aria-label="{told}"')
 
 
 class EndFields:
@@ -296,74 +297,55 @@ class ProblemList:
 # --- Above the scene --------------------------------------------------------------------------------------------------
 
 
-class ScenePanel(Protocol):
-    """A panel below the table, which a button of the bar opens and closes."""
+def lay_scene_bar(
+    session: Session,
+    panels: Iterable[Panel],
+    *,
+    on_layers: Callable[[frozenset[str]], None],
+    on_variant: Callable[[str], None],
+    scene: Callable[[], ArmView],
+) -> None:
+    """Lay out the bar above the scene: what is shown, which variant of the arm, from where, and the panels."""
+    names = session.variants
 
-    ICON: str
-    TITLE: str
-
-    def switch(self) -> None:
-        """Open the panel, or close it."""
-
-    def show(self) -> None:
-        """Show the session as it is now."""
-
-
-class SceneBar:
-    """The bar above the scene: what is shown, which variant of the arm, from where, and the panels."""
-
-    def __init__(
-        self,
-        session: Session,
-        panels: Iterable[ScenePanel],
-        *,
-        on_layers: Callable[[frozenset[str]], None],
-        on_variant: Callable[[str], None],
-        scene: Callable[[], ArmView],
-    ) -> None:
-        self._session = session
-        names = session.variants
-        with ui.element("div").classes("studio-bar"):
-            LayerBoxes(session.layers, on_layers)
-            if len(names) > 1:
-                choices = {name: name for name in names} | {BOTH: "side by side"}
-                variant = ui.toggle(choices, value=session.variant, on_change=lambda event: on_variant(event.value))
-                variant.props('dense unelevated no-caps aria-label="variant"')
-            with lay_tools(scene, "see all of the arm"):
-                lay_opacity({"": "the arm"}, session.opacities, lambda _, opacity: self._fade(scene(), opacity))
-                for panel in panels:
-                    icon_button(panel.ICON, panel.TITLE, panel.switch)
-
-    def _fade(self, scene: ArmView, opacity: float) -> None:
+    def fade(_: str, opacity: float) -> None:
         """Both variants are the arm; a description that is compared with it is not."""
-        self._session.opacities = {"": opacity, f"{self._session.variants[-1]}/": opacity}
-        scene.run_method("fade", self._session.opacities)
+        session.opacities = {"": opacity, f"{names[-1]}/": opacity}
+        scene().run_method("fade", session.opacities)
+
+    with ui.element("div").classes("studio-bar"):
+        lay_layers(session.layers, on_layers)
+        if len(names) > 1:
+            choices = {name: name for name in names} | {BOTH: "side by side"}
+            variant = ui.toggle(choices, value=session.variant, on_change=lambda event: on_variant(event.value))
+            variant.props('dense unelevated no-caps aria-label="variant"')
+        with lay_tools(scene, "see all of the arm"):
+            lay_opacity({"": "the arm"}, session.opacities, fade)
+            for panel in panels:
+                icon_button(panel.ICON, panel.TITLE, panel.switch)
 
 
-class LayerBoxes:
-    """A box for each layer, the rare ones in a menu."""
+def lay_layers(
+    shown: Collection[str], on_layers: Callable[[frozenset[str]], None], *, left_out: Collection[str] = ()
+) -> None:
+    """Lay out a box for each layer, the rare ones in a menu."""
+    boxes: dict[str, ui.checkbox] = {}
 
-    def __init__(
-        self, shown: Iterable[str], on_layers: Callable[[frozenset[str]], None], *, left_out: Iterable[str] = ()
-    ) -> None:
-        self._on_layers = on_layers
-        self._boxes: dict[str, ui.checkbox] = {}
-        self._lay([layer for layer in USUAL_LAYERS if layer not in left_out], frozenset(shown))
-        rare = [each for each in LAYERS if each not in {*left_out, *USUAL_LAYERS}]
-        with (
-            icon_button("layers", "more layers"),
-            Menu().props('role=dialog aria-label="more layers"'),
-            ui.element("div").classes("studio-layers"),
-        ):
-            self._lay(rare, frozenset(shown))
+    def choose() -> None:
+        on_layers(frozenset(layer for layer, box in boxes.items() if box.value))
 
-    def _lay(self, layers: Iterable[str], shown: frozenset[str]) -> None:
-        for layer in layers:
-            box = ui.checkbox(LAYERS[layer], value=layer in shown, on_change=self._choose)
-            self._boxes[layer] = box.props("dense size=xs")
+    def lay(*, usual: bool) -> None:
+        for layer in sorted(LAYERS.keys() - left_out, key=list(LAYERS).index):
+            if (layer in USUAL_LAYERS) is usual:
+                boxes[layer] = ui.checkbox(LAYERS[layer], value=layer in shown, on_change=choose).props("dense size=xs")
 
-    def _choose(self) -> None:
-        self._on_layers(frozenset(layer for layer, box in self._boxes.items() if box.value))
+    lay(usual=True)
+    with (
+        icon_button("layers", "more layers"),
+        Menu().props('role=dialog aria-label="more layers"'),
+        ui.element("div").classes("studio-layers"),
+    ):
+        lay(usual=False)
 
 
 def lay_tools(scene: Callable[[], ArmView], see_all: str) -> ui.element:

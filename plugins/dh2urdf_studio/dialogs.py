@@ -1,26 +1,33 @@
-"""What the studio asks and hands over: opening, pasting, saving, generating, converting, and what went wrong."""
+"""What the studio asks and hands over: opening, pasting, converting, files, links and pictures, and what went wrong."""
 
 from __future__ import annotations
 
+import json
 import traceback
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ElementFilter, run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
+from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import words
+from dh2urdf_studio.drawing import exports
+from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
 from dh2urdf_studio.editing.save import Saved, saved
+from dh2urdf_studio.widgets import ANSWERED, lay_menu_item, row_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
     from dh2urdf_studio.editing.session import Session
+    from dh2urdf_studio.widgets import ArmView, ShownScene
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
@@ -63,6 +70,39 @@ async def answer_of(dialog: ui.dialog) -> Any:  # noqa: ANN401 - what was submit
         dialog.delete()
         dialog.client.run_javascript("dhPage.back()")
     return answer
+
+
+async def ask(
+    title: str,
+    told: Sequence[str],
+    choices: Sequence[tuple[str, Any]] = (),
+    *,
+    look: str = "studio-status",
+    usual: int | None = 0,
+    cancel: str = "Cancel",
+) -> Any:  # noqa: ANN401 - what was chosen
+    """Ask a question, or only tell something.
+
+    Args:
+        title: what is asked.
+        told: paragraphs below it.
+        choices: the texts of buttons, with the answers that they are.
+        look: the class of the paragraphs.
+        usual: the number of the choice that Enter takes; None where a person should think first.
+        cancel: the button that answers nothing; empty where there has to be an answer.
+
+    Returns:
+        The answer; None where the question, or the tab, was closed.
+    """
+    with card(title, persistent=not cancel) as dialog:
+        for text in told:
+            with ui.element("div").classes(look):
+                ui.label(text)
+        for number, (text, answer) in enumerate(choices):
+            _choice(dialog, text, answer, first=number == usual)
+        if cancel:
+            ui.button(cancel, on_click=lambda: dialog.submit(None)).props(f"flat {'' if choices else 'autofocus'}")
+    return await answer_of(dialog)
 
 
 # --- Converting -------------------------------------------------------------------------------------------------------
@@ -111,7 +151,7 @@ async def _ask(
 
     with card(title, cancel="Cancel") as dialog:
         dialog.mark("conversion")
-        with ui.element("div").classes("studio-row") as row:
+        with row_of() as row:
             chosen = [
                 ui.toggle(list(every), value=unit, on_change=show).props(f'unelevated no-caps aria-label="{name}"')
                 for name, (every, unit) in (units or {}).items()
@@ -134,21 +174,18 @@ async def ask_paste(
     found: tuple[Opened, ...] | str, other: tuple[Opened, ...] | str
 ) -> tuple[Opened, ...] | str | None:
     """What to do with a pasted text that has a header: tables to open, ``cells``, or None for nothing."""
-    title = "What you paste may be misread" if isinstance(found, str) else "The clipboard holds a whole table"
-    with card(title, cancel="Cancel") as dialog:
-        if isinstance(found, str):
-            ui.label(found).classes("studio-problem error")
-        else:
-            table = found[0].table
-            many = f"{len(found)} manipulators" if len(found) > 1 else f"{table.name}: {_rows(table)}"
-            named = f", {table.convention}" if table.convention else ""
-            told = f"{many}{named}, read as a CSV file is: its header, units and separators are understood"
-            ui.label(told).classes("studio-status")
-            for units, tables in reversed({_units(tables): tables for tables in (other, found)}.items()):
-                _choice(dialog, f"Open it in place of this table: {units}", tables, first=tables is found)
-        _choice(dialog, "Put its cells in here, as they are", "cells")
-    answer: tuple[Opened, ...] | str | None = await answer_of(dialog)
-    return answer
+    cells = "Put its cells in here, as they are", "cells"
+    if isinstance(found, str):
+        answer = await ask("What you paste may be misread", [found], [cells], look="studio-problem error", usual=None)
+    else:
+        table = found[0].table
+        many = f"{len(found)} manipulators" if len(found) > 1 else f"{table.name}: {_rows(table)}"
+        named = f", {table.convention}" if table.convention else ""
+        told = f"{many}{named}, read as a CSV file is: its header, units and separators are understood"
+        units = reversed({_units(tables): tables for tables in (other, found)}.items())
+        choices = [(f"Open it in place of this table: {text}", tables) for text, tables in units]
+        answer = await ask("The clipboard holds a whole table", [told], [*choices, cells])
+    return answer  # type: ignore[no-any-return]  # of these three types
 
 
 def _units(tables: tuple[Opened, ...] | str) -> str:
@@ -159,13 +196,9 @@ def _units(tables: tuple[Opened, ...] | str) -> str:
 
 async def ask_columns(choices: Sequence[Sequence[str]], cells: Sequence[str]) -> Sequence[str] | None:
     """The fields of columns that have no names, of which one is a row of cells; None for nothing."""
-    with card("The columns that you paste have no names", cancel="Cancel") as dialog:
-        told = f"The first row is {' | '.join(cell or 'empty' for cell in cells)}. What are its columns?"
-        ui.label(told).classes("studio-status")
-        for number, fields in enumerate(choices):
-            button = _choice(dialog, ", ".join(_SIGNS.get(field, field) for field in fields), fields)
-            button.props("" if number else "autofocus")
-    answer: Sequence[str] | None = await answer_of(dialog)
+    told = f"The first row is {' | '.join(cell or 'empty' for cell in cells)}. What are its columns?"
+    named = [(", ".join(_SIGNS.get(field, field) for field in fields), fields) for fields in choices]
+    answer: Sequence[str] | None = await ask("The columns that you paste have no names", [told], named)
     return answer
 
 
@@ -207,7 +240,7 @@ async def choose(tables: tuple[Opened, ...] | None) -> Opened | None:
             told = f"the first {MOST_CHOICES} can be chosen; `dh2urdf studio FILE --robot NAME` opens any of them"
             ui.label(told).classes("studio-status")
         chosen = ui.select(names, value=0, label="manipulator", with_input=True).style("width: 100%")
-        with ui.element("div").classes("studio-row"):
+        with row_of():
             ui.button("Open", on_click=lambda: dialog.submit(chosen.value))
             ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
     answer = await answer_of(dialog)
@@ -216,13 +249,9 @@ async def choose(tables: tuple[Opened, ...] | None) -> Opened | None:
 
 async def ask_back(table: TableText) -> bool:
     """Whether a table that the browser has kept is to be opened again."""
-    with card("The studio was started anew", persistent=True) as dialog:
-        told = f"This tab has kept a table of {_rows(table)}, {table.name or 'without a name'}."
-        ui.label(told).classes("studio-status")
-        with ui.element("div").classes("studio-row"):
-            ui.button("Bring it back", on_click=lambda: dialog.submit("back")).props("unelevated autofocus")
-            ui.button("Go on without it", on_click=lambda: dialog.submit("without")).props("flat")
-    return bool(await answer_of(dialog) == "back")
+    told = f"This tab has kept a table of {_rows(table)}, {table.name or 'without a name'}."
+    choices = [("Bring it back", True), ("Go on without it", False)]
+    return bool(await ask("The studio was started anew", [told], choices, cancel=""))
 
 
 def _rows(table: TableText) -> str:
@@ -232,17 +261,7 @@ def _rows(table: TableText) -> str:
 # --- Saving -----------------------------------------------------------------------------------------------------------
 
 
-async def save(session: Session, kind: str, name: str) -> None:
-    """Hands over what was chosen, or says what keeps it from being made."""
-    await make(session, kind, name, "This cannot be made yet")
-
-
-async def generate(session: Session) -> None:
-    """Press Generate: the URDF, made and proved as the command line makes and proves it."""
-    await make(session, "robot", session.catalog.usual("emitter").name, "The URDF cannot be generated yet")
-
-
-async def make(session: Session, kind: str, name: str, failed: str) -> None:
+async def make(session: Session, kind: str, name: str, failed: str = "This cannot be made yet") -> None:
     """Hands over one of the `savings` of a session; where both variants are shown, of the arm itself."""
     variant = session.variant if session.variant in session.variants else session.variants[0]
     try:
@@ -272,6 +291,75 @@ def hand_over(file: Saved) -> None:
     ui.notify(told, type="positive" if proof is None or proof.holds else "warning", multi_line=True, timeout=9000)
 
 
+# --- Taking along: links, pictures, a turntable, glTF -----------------------------------------------------------------
+
+
+def lay_scene_items(view: Callable[[], ArmView], scene: Callable[[], ShownScene]) -> None:
+    """Lay out the entries of a menu that take the scene along; `scene` gives what is shown of it now."""
+
+    def save_picture(*, transparent: bool) -> None:
+        view().save_picture(scene()[0], transparent=transparent)
+
+    lay_menu_item("Picture (PNG)", partial(save_picture, transparent=False))
+    lay_menu_item("Picture with a transparent ground", partial(save_picture, transparent=True))
+    lay_menu_item("Turntable (GIF)", lambda: _hand_over_made("turntable", _turntable(view(), scene()[0])))
+    lay_menu_item("Scene as glTF (GLB)", lambda: _hand_over_made("scene", _scene_file(scene())))
+
+
+async def _turntable(view: ArmView, name: str) -> Saved | None:
+    """A turn about the arm: the page draws the frames, and what they are made into is made here."""
+    note = ui.notification("turntable", spinner=True, timeout=None)
+    try:
+        frames = []
+        async for frame in view.turn(exports.FRAMES, exports.LARGEST):
+            frames.append(frame)
+            note.message = f"turntable: frame {len(frames)} of {exports.FRAMES}"
+        made = await run.io_bound(exports.gif, frames)
+    finally:
+        note.dismiss()
+    return made and Saved(f"{safe_stem(name or 'arm')}.gif", made)
+
+
+async def _scene_file(scene: ShownScene) -> Saved | None:
+    """The robots as they are shown, in the pose on the screen."""
+    name, drawing, q, layers = scene
+    made = await run.io_bound(exports.glb, drawing, q, layers, name or "arm")
+    return made and Saved(f"{safe_stem(name or 'arm')}.glb", made)
+
+
+async def _hand_over_made(what: str, making: Awaitable[Saved | None]) -> None:
+    """Hand over what is made, which is None while the server ends; or say what keeps it from being made."""
+    try:
+        if (made := await making) is not None:
+            hand_over(made)
+    except Dh2UrdfError as error:
+        await show_error(f"The {what} cannot be made", error)
+
+
+async def show_link(table: TableText) -> None:
+    """Show a link that holds a table; it is made in the browser, and goes nowhere but to the clipboard."""
+    link = str(await ui.run_javascript(f"return dhPage.link({json.dumps(kept_text(table))})", timeout=ANSWERED))
+    with card("A link with this table") as dialog:
+        ui.label("The link itself holds the whole table: nothing is sent to anybody.").classes("studio-status")
+        ui.input(value=link).props('readonly outlined dense aria-label="link"').classes("studio-wide")
+        with row_of():
+            copy = ui.button("Copy", on_click=lambda: dialog.submit("copied")).props("unelevated autofocus")
+            copy.on("click", js_handler=f"() => navigator.clipboard?.writeText({json.dumps(link)})")
+            ui.button("Close", on_click=lambda: dialog.submit(None)).props("flat")
+    await answer_of(dialog)
+
+
+async def linked_table() -> TableText | None:
+    """The table of the link by which the page was opened; None where it was opened without one, or it is damaged."""
+    text = await ui.run_javascript("return dhPage.linked()", timeout=ANSWERED)
+    if text is None:
+        return None
+    table = kept_table(str(text))
+    if table is None:
+        warn("This link holds no table that can be read: it may have been cut off on its way.")
+    return table
+
+
 # --- What went wrong --------------------------------------------------------------------------------------------------
 
 
@@ -284,12 +372,6 @@ def forget_warnings() -> None:
     """Takes away what was shown of a table that is no longer on the page."""
     for shown in ElementFilter(kind=ui.notification, marker="table"):
         shown.dismiss()
-
-
-def tell_lost(acts: Sequence[str]) -> None:
-    """Shows what the page before this one could not send."""
-    if acts:
-        warn(words.lost(acts))
 
 
 class Warnings:
@@ -317,17 +399,12 @@ class Warnings:
 
 async def show_error(title: str, error: Dh2UrdfError) -> None:
     """Says what keeps something from being made."""
-    problems = getattr(error, "problems", ())
-    with card(title) as dialog:
-        for problem in problems[:20]:
-            where = f"{problem.joint}, {problem.field}: " if problem.joint and problem.field else ""
-            parts = [where + problem.message, problem.accepted and f"accepted: {problem.accepted}", problem.suggestion]
-            with ui.element("div").classes("studio-problem error"):
-                ui.label("\n".join(part for part in parts if part))
-        if not problems:
-            ui.label(str(error))
-        ui.button("Close", on_click=lambda: dialog.submit(None)).props("flat autofocus")
-    await answer_of(dialog)
+    told = []
+    for problem in getattr(error, "problems", ())[:20]:
+        where = f"{problem.joint}, {problem.field}: " if problem.joint and problem.field else ""
+        parts = [where + problem.message, problem.accepted and f"accepted: {problem.accepted}", problem.suggestion]
+        told.append("\n".join(part for part in parts if part))
+    await ask(title, told or [str(error)], look="studio-problem error", cancel="Close")
 
 
 def show_fault(error: Exception) -> None:

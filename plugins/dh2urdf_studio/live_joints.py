@@ -8,16 +8,15 @@ nothing answers that question.
 
 from __future__ import annotations
 
-import json
-import math
 from typing import TYPE_CHECKING, Any
 
 from fastapi import Request  # noqa: TC002 - FastAPI reads the annotation
 from fastapi.responses import JSONResponse
 from nicegui import app, background_tasks, ui
+from pydantic import BaseModel, FiniteFloat, ValidationError
 
 from dh2urdf.errors import InputError
-from dh2urdf.source import Messages, did_you_mean, listed, shown
+from dh2urdf.source import Messages, did_you_mean, listed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -31,8 +30,13 @@ LARGEST_REQUEST = 2**20
 """Size of a request [B]."""
 GET, SET = "/get_joint_positions", "/set_joint_positions"
 """The routes, called as in urdf-viz."""
-ACCEPTED = '{"names": ["…", …], "positions": [0.0, …]}, in radians and metres'
-"""The form of a request."""
+
+
+class _Request(BaseModel, strict=True):
+    """What a program asks for."""
+
+    names: list[str]
+    positions: list[FiniteFloat]
 
 
 class LiveJoints:
@@ -81,44 +85,21 @@ class LiveJoints:
 
     def _read(self, text: bytes) -> dict[str, float]:
         try:
-            asked = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise _refused("request-no-json", reason=error) from error
-        names, positions = (asked.get(key) if isinstance(asked, dict) else None for key in ("names", "positions"))
-        if not isinstance(names, list) or not isinstance(positions, list):
-            raise _refused("request-without-lists")
-        if len(names) != len(positions):
-            raise _refused("names-not-positions", names=len(names), positions=len(positions))
-        values: dict[str, float] = {}
-        for name, position in zip(names, positions, strict=True):
-            if not isinstance(name, str) or name not in self.q:
-                near = did_you_mean(name, self.q) if isinstance(name, str) else None
+            asked = _Request.model_validate_json(text)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = "".join(f", {each}" for each in first["loc"])
+            raise InputError(say("request-wrong", reason=f"{first['msg']}{where}")) from error
+        if len(asked.names) != len(asked.positions):
+            raise InputError(say("names-not-positions", names=len(asked.names), positions=len(asked.positions)))
+        for name in asked.names:
+            if name not in self.q:
                 known = listed(list(self.q), 20) if self.q else "no joint moves"
-                raise _refused("joint-unknown", name=name, accepted=known, suggestion=near)
-            if name in values:
-                raise _refused("joint-twice", name=name)
-            values[name] = _number(name, position)
+                raise InputError(say("joint-unknown", name=name, known=known, suggestion=did_you_mean(name, self.q)))
+        values = dict(zip(asked.names, asked.positions, strict=True))
+        if len(values) < len(asked.names):
+            raise InputError(say("joint-twice", name=next(each for each in values if asked.names.count(each) > 1)))
         return values
-
-
-def _number(name: str, position: object) -> float:
-    """A position [rad or m].
-
-    Raises:
-        InputError: it is none.
-    """
-    try:
-        number = float(position) if isinstance(position, int | float) and not isinstance(position, bool) else math.nan
-    except OverflowError:  # an integer of hundreds of digits
-        number = math.inf
-    if not math.isfinite(number):
-        told = shown(json.dumps(position))[1:-1]
-        raise _refused("position-no-number", name=name, position=told, accepted="a finite number, in rad or m")
-    return number
-
-
-def _refused(code: str, accepted: str = ACCEPTED, **about: Any) -> InputError:  # noqa: ANN401 - of a message
-    return InputError(say(code, accepted=accepted, **about))
 
 
 def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:

@@ -8,24 +8,21 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.table_text import LENGTH_UNITS, TableText
-from dh2urdf_studio import dialogs, joints, pasting, words
-from dh2urdf_studio.arrivals import ANSWERED
-from dh2urdf_studio.bars import EndFields, ProblemList, SceneBar, StudioHead, TableBar, lay_files
-from dh2urdf_studio.editing import edits
-from dh2urdf_studio.editing.opening import Opened
-from dh2urdf_studio.panels import sharing
+from dh2urdf_studio import dialogs, words
+from dh2urdf_studio.bars import EndFields, ProblemList, StudioHead, TableBar, lay_files, lay_scene_bar
+from dh2urdf_studio.editing import edits, opening
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
 from dh2urdf_studio.panels.target import TargetPanel
 from dh2urdf_studio.table_grid import TableGrid
-from dh2urdf_studio.widgets import ArmView, JointSliders, row_of, small_button
+from dh2urdf_studio.widgets import ANSWERED, ArmView, JointSliders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.manipulator import Convention
-    from dh2urdf_studio.drawing.mesh_store import MeshStore
+    from dh2urdf_studio.drawing.mesh_files import MeshStore
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
@@ -48,24 +45,21 @@ class StudioPage:
                     "new": lambda: self._do(lambda: session.open(TableText(name="arm"))),
                     "open": self._open,
                 }
-                self._head = StudioHead(session, acts)
+                self._head = StudioHead(session, acts, lambda: self._view)
             with ui.element("section").classes("studio-table").props('aria-label="DH table"'):
                 self._lay_table()
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
                 with ui.element("div").classes("studio-joints"):
-                    with row_of():
-                        ui.label("joint values").classes("studio-caption")
-                        small_button("zero", lambda: self._moved(joints.zero(session.sliders)))
-                        small_button("random pose", lambda: self._moved(joints.anywhere(session.sliders)))
-                    self._sliders = JointSliders(on_values=self._moved)
+                    self._sliders = JointSliders(on_values=self._moved, told="joint values")
                 with ui.element("div").classes("studio-numbers"):
                     self._numbers = ui.html(sanitize=False)
 
     def _lay_table(self) -> None:
+        session, show_pose = self.session, self._show_pose
         self._bar = TableBar(
-            self.session,
+            session,
             on_convention=self._choose_convention,
             on_units=self._choose_units,
             on_columns=self._all_columns,
@@ -80,22 +74,20 @@ class StudioPage:
             "act": self._act,
             "axes": self._resize,
         }
-        self._table = TableGrid(self.session, acts)
-        self._target = TargetPanel(
-            self.session, self._show_pose, lambda *, shown: self._view.run_method("showHandle", shown)
-        )
+        self._table = TableGrid(session, acts)
+        self._target = TargetPanel(session, show_pose, lambda shown: self._view.run_method("showHandle", shown))
         self._panels = (
             self._target,
-            PosesPanel(self.session, self._show_pose),
-            MeasuringPanel(self.session, self._show_pose, self._show_cloud),
-            LessonPanel(self.session, self._show_pose),
-            ComparingPanel(self.session, self._meshes, self._show_arm, self._put),
+            PosesPanel(session, show_pose),
+            MeasuringPanel(session, show_pose, self._show_cloud),
+            LessonPanel(session, show_pose),
+            ComparingPanel(session, self._show_arm, self._meshes, self._put),
         )
-        self._problems = ProblemList(self.session, on_unit=self._answer_unit)
-        self._ends = EndFields(self.session, self._set_texts)
+        self._problems = ProblemList(session, on_unit=self._answer_unit)
+        self._ends = EndFields(session, self._set_texts)
 
     def _lay_scene(self) -> None:
-        SceneBar(
+        lay_scene_bar(
             self.session,
             self._panels,
             on_layers=self._choose_layers,
@@ -107,7 +99,6 @@ class StudioPage:
             self._view = ArmView(on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.Warnings().add)
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
                 ui.html(words.EMPTY, sanitize=False)
-        self._head.share(self._view)
 
     # --- What is shown ------------------------------------------------------------------------------------------------
 
@@ -202,18 +193,18 @@ class StudioPage:
             ui.notify("the clipboard holds no text", type="info")
             return
         table, catalog = session.table, session.catalog
-        found = pasting.whole_tables(text, catalog, table.convention, (table.length_unit, table.angle_unit))
+        found = opening.whole_tables(text, catalog, table.convention, (table.length_unit, table.angle_unit))
         answer: Any = found or "cells"
         if found and (table.rows or isinstance(found, str)):  # a whole table takes the place of an empty one
-            answer = await dialogs.ask_paste(found, pasting.whole_tables(text, catalog, table.convention))
+            answer = await dialogs.ask_paste(found, opening.whole_tables(text, catalog, table.convention))
         columns: Sequence[str] | None = session.columns
-        if answer == "cells" and not table.rows and (choices := pasting.orders(text)):  # no header is on the page
-            columns = await dialogs.ask_columns(choices, pasting.cells_of(text)[0])
+        if answer == "cells" and not table.rows and (choices := opening.orders(text)):  # no header is on the page
+            columns = await dialogs.ask_columns(choices, opening.cells_of(text)[0])
             field = columns[0] if columns else field
         if answer == "cells" and row < 0:
             self._refuse("paste")
         elif answer == "cells" and columns is not None:
-            put = pasting.pasted(session.table, row, field, text, columns)
+            put = opening.pasted(session.table, row, field, text, columns)
             self._put(put.table)
             if put.left_out:
                 dialogs.warn(words.left_out(put.left_out))
@@ -283,7 +274,7 @@ class StudioPage:
     async def _open(self) -> None:
         await self._show_opened(await dialogs.ask_table(self.session.catalog, self._choose_file))
 
-    async def _show_opened(self, opened: Opened | None, *, keep_view: bool = False) -> None:
+    async def _show_opened(self, opened: opening.Opened | None, *, keep_view: bool = False) -> None:
         if opened is not None:
             self.session.open(opened.table)
             self.show()
@@ -328,12 +319,12 @@ class StudioPage:
         self._view.run_method("fade", self.session.opacities)
         self.show()
         self._view.run_method("fit", True)  # a person may have turned the camera already
-        if (linked := await sharing.linked_table()) is not None:
-            await self._show_opened(Opened(linked), keep_view=True)
+        if (linked := await dialogs.linked_table()) is not None:
+            await self._show_opened(opening.Opened(linked), keep_view=True)
             return
         if is_new and kept is not None and kept != self.session.table:
             self._keep(kept)  # The page may be loaded again before the question is answered.
             if await dialogs.ask_back(kept):
-                await self._show_opened(Opened(kept))
+                await self._show_opened(opening.Opened(kept))
             else:
                 self._keep()

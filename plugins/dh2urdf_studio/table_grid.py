@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 
 from dh2urdf.manipulator import Convention
-from dh2urdf_studio.pasting import first_field
+from dh2urdf_studio.editing.opening import first_field
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

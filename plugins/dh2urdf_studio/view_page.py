@@ -1,25 +1,29 @@
-"""The page of `dh2urdf view`: robots in one scene, with a slider for every joint."""
+"""The page of `dh2urdf view`: robots in one scene, a slider for every joint, and a tree of what they consist of."""
 
 from __future__ import annotations
 
 import math
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
+from nicegui.element import Element
 
-from dh2urdf_studio import dialogs, joints, viewing, words
-from dh2urdf_studio.bars import LayerBoxes, lay_look, lay_opacity, lay_tools
+from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf_studio import dialogs, viewing, words
+from dh2urdf_studio.bars import lay_layers, lay_look, lay_opacity, lay_tools
 from dh2urdf_studio.drawing.scene import faded
 from dh2urdf_studio.live_joints import PageFollower
-from dh2urdf_studio.panels import sharing
-from dh2urdf_studio.robot_tree import RobotTree
-from dh2urdf_studio.widgets import ArmView, JointSliders, Menu, row_of, small_button
+from dh2urdf_studio.widgets import ArmView, JointSliders, Menu
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
+    from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin, Robot
+    from dh2urdf.stages.foreign_robot import Follower
     from dh2urdf_studio.drawing.parts import Colour
+    from dh2urdf_studio.drawing.scene import Figure
     from dh2urdf_studio.drawing.strokes import Stroke
     from dh2urdf_studio.live_joints import LiveJoints
     from dh2urdf_studio.viewing import View
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
 
 MOST_TIPS = 12
 """Ends of arms whose poses are shown."""
+_POWERS = ("", "²", "³", "⁴")
 
 
 class ViewPage:
@@ -41,13 +46,10 @@ class ViewPage:
                 ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
                 ui.label(viewing.told(view.figures))
                 ui.element("div").classes("studio-space")
-                with ui.button("Save", icon="save").props("flat dense no-caps color=white"):
-                    menu = Menu(items=True)
+                with ui.button("Save", icon="save").props("flat dense no-caps color=white"), Menu(items=True):
+                    dialogs.lay_scene_items(lambda: self._scene, self._shown)
                 lay_look()
             with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
-                with row_of():
-                    small_button("zero", lambda: self._moved(joints.zero(view.sliders)))
-                    small_button("random pose", lambda: self._moved(joints.anywhere(view.sliders)))
                 self._sliders = JointSliders(on_values=self._moved)
                 with _fold("links"):
                     self._tree = RobotTree(on_pick=self._pick, on_hide=self._hide)
@@ -55,8 +57,6 @@ class ViewPage:
                     self._numbers = ui.html(sanitize=False).classes("studio-numbers")
             with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
                 self._lay_scene()
-            with menu:
-                sharing.lay_scene_items(self._scene, self._shown)
 
     def _shown(self) -> ShownScene:
         """What is on the screen now."""
@@ -68,7 +68,7 @@ class ViewPage:
         view = self.view
         with ui.element("div").classes("studio-bar"):
             tables = any(figure.manipulator for figure in view.figures)
-            LayerBoxes(view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
+            lay_layers(view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
             if len(view.figures) > 1:
                 choice = ui.toggle({True: "side by side", False: "at one place"}, value=view.apart)
                 choice.props("dense unelevated no-caps")
@@ -170,3 +170,125 @@ def _fold(told: str) -> ui.element:
 def _remark(text: str, lines: Sequence[str]) -> None:
     """A text below the bar, and the lines that it is the short form of."""
     ui.label(text).classes("studio-bar studio-remark").tooltip("\n".join(lines[:50]))
+
+
+class RobotTree(Element, component="robot_tree.js"):  # type: ignore[call-arg]  # Element is any type to mypy
+    """A tree that folds; a link can be picked, and hidden in the scene."""
+
+    def __init__(self, on_pick: Callable[[str | None], None], on_hide: Callable[[frozenset[str]], None]) -> None:
+        super().__init__()
+        self._nodes: frozenset[str] = frozenset()
+        self.on("pick", lambda event: on_pick(next(iter(self._nodes & {event.args["node"]}), None)))
+        self.on("hide", lambda event: on_hide(self._nodes.intersection(map(str, event.args["nodes"]))))
+
+    def show(self, figures: Sequence[Figure], hidden: Collection[str]) -> None:
+        """Show the robots, and which links are hidden, by the names of their nodes."""
+        robots = [contents(figure) for figure in figures]
+        self._nodes = frozenset(link["node"] for robot in robots for link in robot["links"])
+        self.run_method("show", robots, sorted(hidden))
+
+    def pick(self, node: str | None) -> None:
+        """Let a link stand out, and bring it in sight."""
+        self.run_method("choose", node)
+
+
+def contents(figure: Figure) -> dict[str, Any]:
+    """A robot as `robot_tree.js` takes it: its links, each with its joint, its shapes, its mass and its frame."""
+    robot = figure.robot
+    above = {joint.child: joint for joint in reversed(robot.joints)}
+    return {
+        "name": figure.title or robot.name or "robot",
+        "links": [
+            {
+                "node": figure.name + link.name,
+                "name": link.name,
+                "items": [{"kind": kind, "text": text} for kind, text in _items(figure, link, above.get(link.name))],
+            }
+            for link in _from_root(robot)
+        ],
+    }
+
+
+def _from_root(robot: Robot) -> Iterator[Link]:
+    """The links, each behind the one that holds it, branch after branch; those that nothing leads to at the end."""
+    links = {link.name: link for link in robot.links}
+    held = {joint.child for joint in robot.joints}
+    waiting = [*reversed(links), *(name for name in reversed(links) if name not in held)]
+    while waiting:
+        name = waiting.pop()
+        if (link := links.pop(name, None)) is not None:
+            yield link
+            waiting += [joint.child for joint in reversed(robot.joints) if joint.parent == name]
+
+
+def _items(figure: Figure, link: Link, joint: Joint | None) -> Iterator[tuple[str, str]]:
+    if joint is not None:
+        yield "joint", _joint(joint, figure)
+        yield "frame", f"{_place(joint.origin)} in {joint.parent}"
+    else:
+        yield "frame", "the root"
+    for visual in link.visuals:
+        colour = visual.material.name if visual.material else ""
+        yield "visual", _geometry(visual.geometry) + (f", {colour}" if colour else "") + _off(visual.origin)
+    for collision in link.collisions:
+        yield "collision", _geometry(collision.geometry) + _off(collision.origin)
+    if link.inertial is not None:
+        yield "mass", _mass(link.inertial)
+
+
+def _joint(joint: Joint, figure: Figure) -> str:
+    kind = figure.loose.get(joint.name)
+    if kind is not None or joint.type is JointType.FIXED:
+        return f"{joint.name}: {f'{kind}, drawn as ' if kind else ''}fixed"
+    slides = joint.type is JointType.PRISMATIC
+    words = [f"{joint.name}: {joint.type.value} {'along' if slides else 'about'} ({_numbers(joint.axis)})"]
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.type is not JointType.CONTINUOUS and lower is not None and upper is not None:
+        words.append(" to ".join(f"{end:.4g} m" if slides else f"{math.degrees(end):.4g}°" for end in (lower, upper)))
+    if (follower := figure.followers.get(joint.name)) is not None:
+        words.append(_following(follower))
+    return ", ".join(words)
+
+
+def _following(follower: Follower) -> str:
+    if not follower.leader:
+        return f"kept at {follower.offset:.4g}"
+    text = f"follows {follower.multiplier:.4g} · {follower.leader}"
+    for factor, power in zip((follower.offset, *follower.higher), _POWERS, strict=False):
+        if factor:
+            leader = f" · {follower.leader}{power}" if power else ""
+            text += f" {'+' if factor > 0 else '−'} {abs(factor):.4g}{leader}"
+    return text
+
+
+def _geometry(geometry: Geometry) -> str:
+    match geometry:
+        case Box(size=size):
+            return f"box {' × '.join(f'{side:.4g}' for side in size)} m"
+        case Cylinder(radius=radius, length=length):
+            return f"cylinder, radius {radius:.4g} m, length {length:.4g} m"
+        case Sphere(radius=radius):
+            return f"sphere, radius {radius:.4g} m"
+        case Mesh(filename=filename, scale=scale):
+            factors = "" if scale == (1.0, 1.0, 1.0) else f" × ({_numbers(scale)})"
+            return f"mesh {filename.replace(chr(92), '/').rpartition('/')[2]}{factors}"
+
+
+def _mass(inertial: Inertial) -> str:
+    i = inertial.inertia
+    words = f"{inertial.mass:.4g} kg at ({_numbers(inertial.com)}) m; ixx, iyy, izz ({_numbers((i.ixx, i.iyy, i.izz))})"
+    products = (i.ixy, i.ixz, i.iyz)
+    return f"{words} kg·m²" + (f"; ixy, ixz, iyz ({_numbers(products)})" if any(products) else "")
+
+
+def _off(origin: Origin) -> str:
+    return f", {_place(origin)}" if any((*origin.xyz, *origin.rpy)) else ""
+
+
+def _place(origin: Origin) -> str:
+    turned = f", rpy ({_numbers(map(math.degrees, origin.rpy))})°" if any(origin.rpy) else ""
+    return f"xyz ({_numbers(origin.xyz)}) m{turned}"
+
+
+def _numbers(numbers: Iterable[float]) -> str:
+    return ", ".join(f"{number + 0.0:.4g}" for number in numbers)

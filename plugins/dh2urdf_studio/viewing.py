@@ -26,7 +26,6 @@ from dh2urdf.tasks.batch import items
 from dh2urdf.tasks.expected import Expected
 from dh2urdf.variations.variation import Variant
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.grips import Grasp
 from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of
 
@@ -193,7 +192,7 @@ class View:
         self.drawing = Drawing()
         self.hidden: frozenset[str] = frozenset()
         self.opacities: dict[str, float] = {}
-        self._grasp = Grasp()
+        self._grasped = 0.0  # the value of the joint when a person took hold of a link
         self.place()
         if self.drawing.meshes:  # which joint axes would only lie on
             self.layers -= {"axes"}
@@ -236,7 +235,8 @@ class View:
     def drag(self, node: str, by: float, *, begins: bool) -> None:
         """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
         if (grip := self.drawing.grips.get(node)) is not None:
-            self.move({grip.joint: self._grasp.value(grip, self.q[grip.joint], by, begins=begins)})
+            self._grasped = self.q[grip.joint] if begins else self._grasped
+            self.move({grip.joint: grip.value(self._grasped, by)})
 
     def tips(self) -> Iterator[tuple[str, RigidTransform]]:
         """The ends of the arms with their poses in the robots: links called tool0, or else those without a child."""

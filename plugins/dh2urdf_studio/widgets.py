@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nicegui import ui
@@ -13,6 +14,7 @@ from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js k
 
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.units import QuantityError
+from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.scene import poses_as_json
 
 if TYPE_CHECKING:
@@ -24,10 +26,13 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform
     from dh2urdf_studio.drawing.scene import Drawing
     from dh2urdf_studio.drawing.strokes import Stroke
+    from dh2urdf_studio.editing.session import Session
     from dh2urdf_studio.joints import Slider
 
 ShownScene: TypeAlias = "tuple[str, Drawing, Mapping[str, float], Collection[str]]"
 """The name of a scene, what is drawn, joint values by name [rad or m], and the layers that are shown."""
+ANSWERED = 60.0
+"""How long a page may take to answer what it is asked [s], as on a slow network."""
 _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
@@ -80,14 +85,33 @@ def small_button(text: str, act: Callable[..., Any] | None = None, icon: str | N
     return ui.button(text, icon=icon, on_click=act).props("outline dense no-caps size=sm")
 
 
-def panel(name: str) -> ui.element:
-    """A panel below the table."""
-    return ui.element("aside").classes("studio-panel").props(f'aria-label="{name}"')
-
-
 def row_of() -> ui.element:
     """A row of buttons and fields, which may break."""
     return ui.element("div").classes("studio-row")
+
+
+class Panel:
+    """A panel below the table, which a button of the bar opens and closes; `on_move` draws the pose anew."""
+
+    ICON = TITLE = NAME = ""
+
+    def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
+        """Lay the panel out, hidden."""
+        self._session, self._on_move, self._is_open = session, on_move, False
+        with ui.element("aside").classes("studio-panel").props(f'aria-label="{self.NAME}"') as self._panel:
+            self._lay_out()
+        self.show()
+
+    def _lay_out(self) -> None:
+        """Lay out what is in the panel."""
+
+    def switch(self) -> None:
+        """Open the panel, or close it."""
+        self._is_open = not self._is_open
+        self.show()
+
+    def show(self) -> None:
+        """Show the session as it is now."""
 
 
 class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
@@ -105,12 +129,17 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
             self.on("pick", lambda event: on_pick_node(event.args["node"]))
         else:
             self.on("pick", js_handler="event => dhGrid.chooseDrawn(event)")
-        if on_aim is not None:
-            self.on("aim", lambda event: self._aimed(on_aim, event.args))
-        if on_grip is not None:
-            self.on("grip", lambda event: self._gripped(on_grip, event.args))
         if on_undrawn is not None:
             self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
+        if on_aim is not None:
+            self.on("aim", lambda event: self._dragged(on_aim, event.args["place"], event.args["begins"]))
+        if on_grip is not None:
+            self.on(
+                "grip",
+                lambda event: self._dragged(
+                    partial(on_grip, str(event.args["node"])), [event.args["by"]], event.args["begins"]
+                ),
+            )
 
     def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
         """Another drawing."""
@@ -149,27 +178,26 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
         self.run_method("showCloud", points.round(6).ravel().tolist())
 
-    def _aimed(self, on_aim: Callable[..., None], args: Mapping[str, Any]) -> None:
-        x, y, z = (float(number) for number in args["place"])
-        if all(map(math.isfinite, (x, y, z))):
-            on_aim((x, y, z), begins=bool(args["begins"]))
-        self.run_method("answered")
-
-    def _gripped(self, on_grip: Callable[..., None], args: Mapping[str, Any]) -> None:
-        by = float(args["by"])
-        if math.isfinite(by):
-            on_grip(str(args["node"]), by, begins=bool(args["begins"]))
+    def _dragged(self, act: Callable[..., None], numbers: Sequence[Any], begins: object) -> None:
+        """Numbers of what a person drags, the place of the handle or how far a link has come, if they are finite."""
+        if all(map(math.isfinite, numbers := [*map(float, numbers)])):
+            act(*numbers, begins=bool(begins))
         self.run_method("answered")
 
 
 class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-arg]
-    """A slider and a number for every moving joint."""
+    """A slider and a number for every moving joint, below buttons for all of them."""
 
-    def __init__(self, on_values: Callable[[Mapping[str, float]], None]) -> None:
-        super().__init__()
+    def __init__(self, on_values: Callable[[Mapping[str, float]], None], told: str = "") -> None:
         self._sliders: tuple[Slider, ...] = ()
         self._on_values = on_values
         self._number = 0
+        with row_of():
+            if told:
+                ui.label(told).classes("studio-caption")
+            small_button("zero", lambda: on_values(joints.zero(self._sliders)))
+            small_button("random pose", lambda: on_values(joints.anywhere(self._sliders)))
+        super().__init__()
         self.on("typed", lambda event: self._typed(int(event.args["index"]), str(event.args["text"])))
         self.on("values", lambda event: self._moved(event.args["values"], int(event.args["number"])))
 

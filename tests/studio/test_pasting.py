@@ -11,8 +11,7 @@ import pytest
 from dh2urdf.table_text import TableText
 from dh2urdf_plugins.packages.table import TableOptions
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
-from dh2urdf_studio import pasting
-from dh2urdf_studio.editing import edits
+from dh2urdf_studio.editing import edits, opening as pasting
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.reading import read_whole
 

@@ -19,15 +19,16 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem
 from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.drawing.grips import Grip, grips
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, drawn_mesh
 from dh2urdf_studio.drawing.parts import (
     COLLISION,
     GREY,
     Colour,
+    Grip,
     SceneNode,
     ScenePart,
     axis_colour,
+    grips,
     mass_parts,
     towards,
 )
@@ -199,7 +200,12 @@ def faded(drawing: Drawing, opacities: Mapping[str, float], hidden: Collection[s
 def poses_as_json(poses: Sequence[RigidTransform], strokes: Sequence[Stroke] = ()) -> dict[str, Any]:
     """Poses and strokes as a browser takes them: twelve numbers a pose, all in one list."""
     told = [
-        {"row": stroke.row, "field": stroke.field, "label": stroke.label, "points": stroke.rounded(_DECIMALS)}
+        {
+            "row": stroke.row,
+            "field": stroke.field,
+            "label": stroke.label,
+            "points": [[round(x, _DECIMALS) for x in point] for point in stroke.points],
+        }
         for stroke in strokes
     ]
     return {"poses": [number for pose in poses for number in numbers(pose)], "strokes": told}

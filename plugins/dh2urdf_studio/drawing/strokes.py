@@ -12,26 +12,11 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import dh_frames, joint_variables, link_poses, reach as table_reach
+from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, link_poses, reach as table_reach
 from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
-from dh2urdf.rotations import (
-    IDENTITY,
-    ZERO,
-    RigidTransform,
-    Vec3,
-    add,
-    cos_sin,
-    cross,
-    dot,
-    norm,
-    rotate,
-    rotation_x,
-    rotation_z,
-    scale,
-    subtract,
-)
+from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, dot, norm, rotate, scale, subtract
 from dh2urdf.table_text import TableText
 
 if TYPE_CHECKING:
@@ -66,10 +51,6 @@ class Stroke:
     field: str
     points: tuple[Vec3, ...]
     label: str = ""
-
-    def rounded(self, decimals: int) -> list[list[float]]:
-        """The points with some decimals."""
-        return [[round(x, decimals) for x in point] for point in self.points]
 
 
 def _frames(table: Manipulator, q: Mapping[str, float], place: RigidTransform = IDENTITY) -> list[RigidTransform]:
@@ -146,38 +127,12 @@ def small(number: int) -> str:
     return "".join(chr(ord("₀") + int(digit)) for digit in str(number))
 
 
-class Motion(NamedTuple):
-    """An elementary motion: the parameter, and its value [rad or m]."""
-
-    field: str
-    size: float
-
-    def part(self, share: float) -> RigidTransform:
-        """A share of it, from 0 to 1."""
-        size = share * self.size
-        match self.field:
-            case "theta":
-                return RigidTransform(rotation_z(*cos_sin(size)), ZERO)
-            case "alpha":
-                return RigidTransform(rotation_x(*cos_sin(size)), ZERO)
-            case "d":
-                return RigidTransform(IDENTITY.rotation, (0.0, 0.0, size))
-        return RigidTransform(IDENTITY.rotation, (size, 0.0, 0.0))
-
-
-def motions(convention: Convention, row: DHRow, q: float) -> tuple[Motion, ...]:
-    """The four motions of a row at a joint value [rad or m]; their product is A(q)."""
+def so_far(convention: Convention, row: DHRow, q: float, progress: float) -> RigidTransform:
+    """The motions of a row at a joint value [rad or m] that are done, from 0 to 4, the last one in part."""
     theta, d = joint_variables(row, q)
     sizes = {"theta": theta, "d": d, "a": row.a, "alpha": row.alpha}
-    return tuple(Motion(field, sizes[field]) for field in ORDER[convention])
-
-
-def so_far(steps: Sequence[Motion], progress: float) -> RigidTransform:
-    """The product of the motions that are done, and of the share of the one under way: from 0 to their number."""
-    done = IDENTITY
-    for number, step in enumerate(steps):
-        done = done @ step.part(min(max(progress - number, 0.0), 1.0))
-    return done
+    share = {field: min(max(progress - number, 0.0), 1.0) for number, field in enumerate(ORDER[convention])}
+    return dh_transform(convention, **{field: share[field] * size for field, size in sizes.items()})
 
 
 def moving_frame(
@@ -185,8 +140,7 @@ def moving_frame(
 ) -> Iterator[Stroke]:
     """The axes of the frame on its way through a row, as arrows of a size [m]; its progress is counted in motions."""
     row = table.rows[number]
-    steps = motions(table.convention, row, q.get(row.joint, 0.0))
-    frame = _frames(table, q)[number] @ so_far(steps, progress)
+    frame = _frames(table, q)[number] @ so_far(table.convention, row, q.get(row.joint, 0.0), progress)
     for axis, name in enumerate("xyz"):
         tip = add(frame.translation, scale(size, _axis(frame, axis)))
         yield Stroke(row=number, field=name, points=(frame.translation, tip), label=name)
@@ -234,33 +188,33 @@ def common_normal(one: Line, other: Line, near: Vec3, least: float) -> AxisNorma
     product, between = cross(one.direction, other.direction), subtract(other.point, one.point)
     sine = norm(product)
     if sine < _PARALLEL:
-        start = add(one.point, scale(dot(subtract(near, one.point), one.direction), one.direction))
-        end = add(other.point, scale(dot(subtract(start, other.point), other.direction), other.direction))
+        start = _at(one, dot(subtract(near, one.point), one.direction))
+        end = _at(other, dot(subtract(start, other.point), other.direction))
     else:
-        along = dot(cross(between, other.direction), product) / sine**2
-        back = dot(cross(between, one.direction), product) / sine**2
-        start, end = add(one.point, scale(along, one.direction)), add(other.point, scale(back, other.direction))
+        start = _at(one, dot(cross(between, other.direction), product) / sine**2)
+        end = _at(other, dot(cross(between, one.direction), product) / sine**2)
     step = subtract(end, start)
     length, angle = norm(step), math.atan2(sine, dot(one.direction, other.direction))
     if length >= least:
         direction = scale(1.0 / length, step)
         signed = angle if dot(product, direction) >= 0.0 else -angle
-        position = Position.PARALLEL if sine < _PARALLEL else Position.SKEW
-        return AxisNormal(position, start, end, direction, signed)
+        return AxisNormal(Position.PARALLEL if sine < _PARALLEL else Position.SKEW, start, end, direction, signed)
     if sine < _PARALLEL:
         return AxisNormal(Position.ONE_LINE, start, start, None, angle)
     return AxisNormal(Position.MEETING, start, start, scale(1.0 / sine, product), angle)
 
 
+def _at(line: Line, far: float) -> Vec3:
+    """A point of a line, so far from its own one [m]."""
+    return add(line.point, scale(far, line.direction))
+
+
 def row_normals(table: Manipulator, frames: Sequence[RigidTransform], least: float) -> list[AxisNormal]:
     """The common normals of the z axes before and after each row; of parallel axes the ones that the table takes."""
-    lines = [Line(frame.translation, _axis(frame, 2)) for frame in frames]
     # The origin after a row is a foot in the standard convention, the one before it in the modified one.
     feet = frames[1:] if table.convention is Convention.STANDARD else frames
-    return [
-        common_normal(one, other, foot.translation, least)
-        for (one, other), foot in zip(pairwise(lines), feet, strict=False)
-    ]
+    pairs = zip(pairwise(map(_z_line, frames)), feet, strict=False)
+    return [common_normal(one, other, foot.translation, least) for (one, other), foot in pairs]
 
 
 def table_normals(
@@ -290,13 +244,11 @@ def table_normals(
     departures = [*(normal.start for normal in normals), frames[-1].translation]
     rows = [only] if only is not None else list(range(len(normals)))
     for number in sorted({axis for row in rows for axis in (row, row + 1)}):
-        line = Line(frames[number].translation, _axis(frames[number], 2))
-        yield _line(f"z{small(number)}", line, (arrivals[number], departures[number]), reach)
+        yield _line(f"z{small(number)}", _z_line(frames[number]), (arrivals[number], departures[number]), reach)
     for row in rows:
-        names = f"z{small(row)} × z{small(row + 1)}", f"a{small(row + is_standard)}"
-        yield from _of_normal(row, normals[row], names, unit, reach)
         axis = row if is_standard else row + 1
-        yield from _offset(row, f"d{small(row + 1)}", (arrivals[axis], departures[axis]), unit, reach)
+        names = f"z{small(row)} × z{small(row + 1)}", f"a{small(row + is_standard)}", f"d{small(row + 1)}"
+        yield from _of_normal(row, normals[row], (arrivals[axis], departures[axis]), names, unit, reach)
 
 
 def robot_normals(
@@ -312,7 +264,6 @@ def robot_normals(
         lines[name] = Line(pose.translation, scale(1.0 / norm(direction), direction))
     feet: dict[str, list[Vec3]] = {name: [] for name in lines}
     arrivals: dict[str, Vec3] = {}
-    unit = UNITS["m"]
     for name, joint in moving.items():  # a robot's joints come after the ones that hold them
         before = above.get(joint.parent)
         while before is not None and before.name not in lines:
@@ -325,8 +276,7 @@ def robot_normals(
         arrivals[name] = normal.end
         feet[before.name].append(normal.start)
         feet[name].append(normal.end)
-        yield from _of_normal(None, normal, ("z × z", "a"), unit, reach)
-        yield from _offset(None, "d", (near, normal.start), unit, reach)
+        yield from _of_normal(None, normal, (near, normal.start), ("z × z", "a", "d"), UNITS["m"], reach)
     for name, line in lines.items():
         yield _line("", line, feet[name] or [line.point], reach)
 
@@ -361,37 +311,37 @@ def _axis(frame: RigidTransform, number: int) -> Vec3:
     return (r[number], r[number + 3], r[number + 6])
 
 
+def _z_line(frame: RigidTransform) -> Line:
+    return Line(frame.translation, _axis(frame, 2))
+
+
 def _line(name: str, line: Line, feet: Sequence[Vec3], reach: float) -> Stroke:
     """An axis, some way beyond the feet on it."""
     along = [dot(subtract(foot, line.point), line.direction) for foot in feet]
     ends = min(along) - _BEYOND * reach, max(along) + _BEYOND * reach
-    points = tuple(add(line.point, scale(end, line.direction)) for end in ends)
-    return Stroke(row=None, field="line", points=points, label=name)
+    return Stroke(row=None, field="line", points=tuple(_at(line, end) for end in ends), label=name)
 
 
-def _of_normal(
-    row: int | None, normal: AxisNormal, names: tuple[str, str], unit: Unit, reach: float
+def _of_normal(  # noqa: PLR0917 - what is drawn, and how it is named
+    row: int | None, normal: AxisNormal, way: tuple[Vec3, Vec3], names: tuple[str, str, str], unit: Unit, reach: float
 ) -> Iterator[Stroke]:
-    """A common normal with its feet; of axes that meet, the cross product that takes its place."""
-    product, length = names
-    if normal.direction is None:
-        return
-    if normal.position is Position.MEETING:
-        tip = add(normal.start, scale(_CROSS * reach, normal.direction))
-        yield Stroke(row=row, field="normal", points=(normal.start, tip), label=product)
-    else:
-        size = unit.number(norm(subtract(normal.end, normal.start)))
-        label = f"|{length}| = {size:.4g} {unit.symbol}"
-        yield Stroke(row=row, field="normal", points=(normal.start, normal.end), label=label)
-        yield Stroke(row=row, field="foot", points=(normal.end,))
-    yield Stroke(row=row, field="foot", points=(normal.start,))
+    """A common normal with its feet, and the way along an axis from one foot to the next, where it is any.
 
+    Of axes that meet, the cross product takes the place of the normal.
+    """
+    product, a, d = names
 
-def _offset(row: int | None, name: str, feet: tuple[Vec3, Vec3], unit: Unit, reach: float) -> Iterator[Stroke]:
-    """The way along an axis from one foot to the next, where it is any."""
-    start, end = feet
-    length = norm(subtract(end, start))
-    if length >= _NONE * reach:
-        yield Stroke(
-            row=row, field="offset", points=(start, end), label=f"|{name}| = {unit.number(length):.4g} {unit.symbol}"
-        )
+    def measured(field: str, name: str, start: Vec3, end: Vec3) -> Stroke:
+        label = f"|{name}| = {unit.number(math.dist(start, end)):.4g} {unit.symbol}"
+        return Stroke(row=row, field=field, points=(start, end), label=label)
+
+    if normal.direction is not None:
+        if normal.position is Position.MEETING:
+            tip = add(normal.start, scale(_CROSS * reach, normal.direction))
+            yield Stroke(row=row, field="normal", points=(normal.start, tip), label=product)
+        else:
+            yield measured("normal", a, normal.start, normal.end)
+            yield Stroke(row=row, field="foot", points=(normal.end,))
+        yield Stroke(row=row, field="foot", points=(normal.start,))
+    if math.dist(*way) >= _NONE * reach:
+        yield measured("offset", d, *way)

@@ -15,7 +15,6 @@ from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.grips import Grasp
 from dh2urdf_studio.drawing.parts import PAPER
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
@@ -79,7 +78,6 @@ class Session:
         poses: joint values that a person has stored, by name [rad or m].
         measured: the names of the two frames between which is measured; None where nothing is.
         opacities: how opaque the bodies of robots are, by their names, where a person has changed it.
-        grasp: the link that a person drags.
         beside: the description that lies upon the arm, compared with it; None where there is none.
         problems_of_making: why no arm can be made of a table that can be read.
     """
@@ -101,7 +99,7 @@ class Session:
         self.poses: list[dict[str, float]] = []
         self.measured: tuple[str, str] | None = None
         self.opacities: dict[str, float] = {}
-        self.grasp = Grasp()
+        self._grasped = 0.0  # the value of the joint when a person took hold of a link
         self.beside: Beside | None = None
         self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
@@ -292,7 +290,7 @@ class Session:
         if self.arm is None:
             return {}
         table = self.arm.manipulator
-        frames = dh_frames(table, self._vector(table))
+        frames = dh_frames(table, self.vector)
         numbered = {f"{{{number}}}": frame for number, frame in enumerate(frames)}
         return {ROOT: IDENTITY, **numbered, TOOL: frames[-1] @ table.tool}
 
@@ -310,9 +308,7 @@ class Session:
     @property
     def pose(self) -> RigidTransform | None:
         """T(base_link → tool0) of the table at the pose on the screen: the DH product."""
-        if self.arm is None:
-            return None
-        return forward_kinematics(self.arm.manipulator, self._vector(self.arm.manipulator))
+        return None if self.arm is None else forward_kinematics(self.arm.manipulator, self.vector)
 
     @property
     def reach(self) -> float:
@@ -326,8 +322,10 @@ class Session:
             return None
         return tip_error(self.arm.other, self.q, pose)
 
-    def _vector(self, manipulator: Manipulator) -> list[float]:
-        return [self.q.get(row.joint, 0.0) for row in manipulator.moving_rows]
+    @property
+    def vector(self) -> list[float]:
+        """The values of the moving rows of the arm on the screen [rad or m]."""
+        return [self.q.get(row.joint, 0.0) for row in self.arm.manipulator.moving_rows] if self.arm else []
 
     def look(self) -> None:
         """Reads the table; what was right last stays on the screen while something is wrong, a preview does not."""
@@ -399,12 +397,11 @@ class Session:
         if self.beside is not None:
             own |= self.beside.named(names)
         if grip is not None and (name := own.get(grip.joint)) is not None:
-            self.move({**self.q, name: self.grasp.value(grip, self.q[name], by, begins=begins)})
+            self._grasped = self.q[name] if begins else self._grasped
+            self.move({name: grip.value(self._grasped, by)})
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""
         variant = f"{self.variants[-1]}/"
         values = {**self.q, **{variant + name: value for name, value in self.q.items()}}
-        if self.beside is None or self.arm is None:
-            return values
-        return {**values, **self.beside.named(self._vector(self.arm.manipulator))}
+        return values if self.beside is None else {**values, **self.beside.named(self.vector)}

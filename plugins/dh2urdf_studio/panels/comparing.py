@@ -16,17 +16,17 @@ from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.drawing.mesh_files import LARGEST
 from dh2urdf_studio.drawing.scene import Drawing
-from dh2urdf_studio.editing.comparing import Apart, Beside, adopted, changed_cells, differences, own_table
-from dh2urdf_studio.editing.given_files import MOST_FILES, GivenFiles, description_suffixes, too_much, wanted_suffixes
-from dh2urdf_studio.widgets import panel, row_of, small_button
+from dh2urdf_studio.editing import comparing
+from dh2urdf_studio.widgets import Panel, row_of, small_button
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.table_text import TableText
-    from dh2urdf_studio.drawing.mesh_store import MeshStore
+    from dh2urdf_studio.drawing.mesh_files import MeshStore
     from dh2urdf_studio.drawing.scene import Figure
+    from dh2urdf_studio.editing.comparing import Apart, Beside
     from dh2urdf_studio.editing.session import Session
 
 _LIKELIEST = "the likeliest"
@@ -34,55 +34,55 @@ _DIGITS = 3
 _MM = UNITS["mm"]
 
 
-class ComparingPanel:
-    """Opens a description, lays it upon the arm of the table, and shows the differences."""
+class ComparingPanel(Panel):
+    """Opens a description, lays it upon the arm, and shows the differences; `on_move` draws the arm anew."""
 
-    ICON, TITLE = "compare", "compare with a robot description"
+    ICON, TITLE, NAME = "compare", "compare with a robot description", "comparing"
 
     def __init__(
-        self, session: Session, meshes: MeshStore, on_arm: Callable[[], None], on_table: Callable[[TableText], None]
+        self, session: Session, on_move: Callable[[], None], meshes: MeshStore, on_table: Callable[[TableText], None]
     ) -> None:
         """Lay the panel out, hidden."""
-        self._session, self._meshes, self._on_arm, self._on_table = session, meshes, on_arm, on_table
-        self._is_open = False
-        self._files: GivenFiles | None = None
+        self._meshes, self._on_table = meshes, on_table
+        self._files: comparing.GivenFiles | None = None
         self._figure: Figure | None = None
         self._served: tuple[str, ...] = ()
         ui.context.client.on_delete(self._forget)
         if session.beside is not None:  # of a page that was loaded anew, whose files are gone
             session.lay_beside(None)
-        with panel("comparing") as self._panel:
-            address, wanted = self._lay_upload()
-            with row_of():
-                for told, icon, folder in (
-                    ("Open a description", "folder_open", "false"),
-                    ("Open a folder", "drive_folder_upload", "true"),
-                ):
-                    choose = small_button(told, icon=icon)
-                    choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
-                self._which = ui.select([], on_change=self._choose_description)
-                self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
-                self._ends = {
-                    end: ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._choose).props(
-                        f'dense outlined prefix="{end}" aria-label="{end} of the description"'
-                    )
-                    for end in ("base link", "tip link")
-                }
-                self._adopt = small_button("Take its numbers over", self._take_over)
-                self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
-                self._away = ui.button("Take it away", on_click=self._close).props("flat dense no-caps size=sm")
-            self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
-            self._numbers = ui.html(sanitize=False)
-        self.show()
+        super().__init__(session, on_move)
+
+    def _lay_out(self) -> None:
+        address, wanted = self._lay_upload()
+        with row_of():
+            for told, icon, folder in (
+                ("Open a description", "folder_open", "false"),
+                ("Open a folder", "drive_folder_upload", "true"),
+            ):
+                choose = small_button(told, icon=icon)
+                choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
+            self._which = ui.select([], on_change=self._choose_description)
+            self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
+            self._ends = [
+                ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._choose).props(
+                    f'dense outlined prefix="{end}" aria-label="{end} of the description"'
+                )
+                for end in ("base link", "tip link")
+            ]
+            self._adopt = small_button("Take its numbers over", self._take_over)
+            self._adopt.tooltip("puts the numbers that differ into the table; undo brings the old ones back")
+            self._away = ui.button("Take it away", on_click=self._close).props("flat dense no-caps size=sm")
+        self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
+        self._numbers = ui.html(sanitize=False)
 
     def _lay_upload(self) -> tuple[str, str]:
         """Lay out what takes files; its address, and what it accepts, as page.js has them."""
         catalog = self._session.catalog
-        nothing = f"No description was found. Accepted: {', '.join(description_suffixes(catalog))}"
-        answers = {"none": f"{nothing}, with mesh files, or a ZIP of them.", "too much": str(too_much())}
+        nothing = f"No description was found. Accepted: {', '.join(comparing.description_suffixes(catalog))}"
+        answers = {"none": f"{nothing}, with mesh files, or a ZIP of them.", "too much": str(comparing.too_much())}
         ui.on("dh-no-files", lambda event: self._status.set_text(answers.get(str(event.args), dialogs.LOST)))
-        ends = [*wanted_suffixes(catalog), ".zip"]
-        wanted = json.dumps({"ends": ends, "most": MOST_FILES, "largest": LARGEST, "refused": "dh-no-files"})
+        ends = [*comparing.wanted_suffixes(catalog), ".zip"]
+        wanted = json.dumps({"ends": ends, "most": comparing.MOST_FILES, "largest": LARGEST, "refused": "dh-no-files"})
         upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
         address = json.dumps(upload.props["url"])
         self._panel.on("dragover", js_handler="event => event.preventDefault()")
@@ -91,14 +91,14 @@ class ComparingPanel:
 
     def switch(self) -> None:
         """Open it, or close it; the description is shown while it is open."""
-        self._is_open = not self._is_open
+        super().switch()
         self._compare()
 
     def show(self) -> None:
         """Show the differences at the pose of the sliders."""
         session, found = self._session, self._session.beside
         self._panel.set_visibility(self._is_open)
-        for element in (*self._ends.values(), self._away):
+        for element in (*self._ends, self._away):
             element.set_visibility(self._figure is not None)
         agreement = found.agreement if found is not None else None
         differs = agreement is not None and agreement.difference is not None and not agreement.holds
@@ -112,15 +112,15 @@ class ComparingPanel:
         table = session.arm.manipulator
         self._status.set_text("\n".join(_words(found, table)))
         if found.chain is not None:
-            here = differences(found.chain, table, [session.q.get(row.joint, 0.0) for row in table.moving_rows])
+            here = comparing.differences(found.chain, table, session.vector)
             self._numbers.set_content(_as_html(found, table, here, 1 + words.decimals(_MM, session.reach)))
 
     async def _take(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         self._close()
-        if len(event.files) > MOST_FILES or sum(file.size() for file in event.files) > LARGEST:
-            self._status.set_text(str(too_much()))  # before any of it is in memory
+        if len(event.files) > comparing.MOST_FILES or sum(file.size() for file in event.files) > LARGEST:
+            self._status.set_text(str(comparing.too_much()))  # before any of it is in memory
             return
-        files = GivenFiles((), self._session.catalog)
+        files = comparing.GivenFiles((), self._session.catalog)
         try:
             for file in event.files:
                 await run.io_bound(files.add, unquote(file.name), await file.read())
@@ -145,7 +145,7 @@ class ComparingPanel:
             self._status.set_text(found)
         elif found is not None:  # as it is while the server ends
             links = [_LIKELIEST, *(link.name for link in found.robot.links)]
-            for select in self._ends.values():
+            for select in self._ends:
                 select.set_options(links, value=_LIKELIEST)
             self._lay(found)
 
@@ -168,8 +168,10 @@ class ComparingPanel:
         if session.arm is None or found is None or found.agreement is None or self._files is None:
             return
         table, arm, ends = session.table, session.arm.manipulator, (found.agreement.base_link, found.agreement.tip_link)
-        own = await run.io_bound(own_table, self._files.path(str(self._which.value)), session.catalog, arm, ends)
-        taken = adopted(table, arm, found, own, session.catalog)
+        own = await run.io_bound(
+            comparing.own_table, self._files.path(str(self._which.value)), session.catalog, arm, ends
+        )
+        taken = comparing.adopted(table, arm, found, own, session.catalog)
         if session.table is not table:  # it was edited meanwhile
             return
         if taken is None:
@@ -177,7 +179,7 @@ class ComparingPanel:
             ui.notify(told, type="warning")
             return
         self._on_table(taken)
-        told = words.count(changed_cells(table, taken), "cell has", "cells have")
+        told = words.count(comparing.changed_cells(table, taken), "cell has", "cells have")
         ui.notify(f"{told} the description's numbers", type="positive")
 
     def _lay(self, figure: Figure | None) -> None:
@@ -191,13 +193,13 @@ class ComparingPanel:
             self._compare()
 
     def _compare(self) -> None:
-        ends = ("" if each.value == _LIKELIEST else str(each.value) for each in self._ends.values())
+        ends = ("" if each.value == _LIKELIEST else str(each.value) for each in self._ends)
         self._session.lay_beside(self._figure if self._is_open else None, *ends)
         self._meshes.forget(self._served)
         drawn = Drawing.of([self._session.beside.figure]) if self._session.beside is not None else Drawing()
         self._meshes.add(drawn.meshes)
         self._served = tuple(drawn.meshes)
-        self._on_arm()
+        self._on_move()
         self.show()
 
 
@@ -222,7 +224,7 @@ def _words(found: Beside, table: Manipulator) -> Iterator[str]:
         yield from changes(table, agreement.corrected)
 
 
-def _as_html(found: Beside, table: Manipulator, here: tuple[Apart, ...], digits: int) -> str:
+def _as_html(found: Beside, table: Manipulator, here: Sequence[Apart], digits: int) -> str:
     """The differences as a table: now, and at the worst of the joint vectors that a proof takes."""
     names = [f"axis of {row.joint}" for row in table.moving_rows]
     tip = found.agreement.tip_link if found.agreement else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -11,17 +12,16 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
 from dh2urdf_studio.panels.poses import TICK
-from dh2urdf_studio.widgets import panel, row_of, small_button
+from dh2urdf_studio.widgets import Panel, row_of, small_button
 from dh2urdf_studio.words import decimals, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.quantities.units import Unit
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.table_text import TableText
-    from dh2urdf_studio.editing.session import Session
 
 _STEP = 0.04  # of a motion in a tick: a motion takes 1.25 s
 _ALL = 4.0
@@ -50,27 +50,25 @@ _DIGITS = 4
 _MOST_FACTORS = 3
 
 
-class LessonPanel:
-    """Explains the picked row beside the arm, and moves a frame through it; `on_move` draws the pose anew."""
+class LessonPanel(Panel):
+    """Explains the picked row beside the arm, and moves a frame through it."""
 
-    ICON, TITLE = "school", "explain the picked row"
+    ICON, TITLE, NAME = "school", "explain the picked row", "the picked row"
 
-    def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        """Lay the panel out, hidden."""
-        self._session, self._on_move, self._until = session, on_move, _ALL
-        with panel("the picked row").classes("studio-lesson") as self._panel:
-            with row_of():
-                self._title = ui.label().classes("studio-caption")
-                small_button("play", lambda: self._start(0.0, _ALL), "play_arrow")
-                self._steps = [
-                    ui.button(on_click=lambda number=number: self._start(float(number), number + 1.0))
-                    for number in range(int(_ALL))
-                ]
-                for step in self._steps:
-                    step.props("flat dense no-caps size=sm")
-            self._text = ui.html(sanitize=False).classes("studio-lesson-text")
+    def _lay_out(self) -> None:
+        self._until = _ALL
+        self._panel.classes("studio-lesson")
+        with row_of():
+            self._title = ui.label().classes("studio-caption")
+            small_button("play", lambda: self._start(0.0, _ALL), "play_arrow")
+            self._steps = [
+                ui.button(on_click=partial(self._start, float(number), number + 1.0)).props(
+                    "flat dense no-caps size=sm"
+                )
+                for number in range(int(_ALL))
+            ]
+        self._text = ui.html(sanitize=False).classes("studio-lesson-text")
         self._timer = ui.timer(TICK, self._go_on, active=False)
-        self.show()
 
     def switch(self) -> None:
         """Open it, or close it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -10,7 +11,7 @@ from dh2urdf.manipulator import ROOT, TOOL
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import norm
 from dh2urdf_studio import joints
-from dh2urdf_studio.widgets import panel, row_of, small_button
+from dh2urdf_studio.widgets import Panel, row_of, small_button
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -25,30 +26,21 @@ _POINTS = 4000  # of the workspace, for arms of up to a hundred joints
 _NUMBERS = 400_000  # joint values that are drawn at most
 
 
-class PosesPanel:
-    """Stores poses, brings the arm back to each, and plays all of them; `on_move` draws the pose anew."""
+class PosesPanel(Panel):
+    """Stores poses, brings the arm back to each, and plays all of them."""
 
-    ICON, TITLE = "animation", "stored poses"
+    ICON, TITLE, NAME = "animation", "stored poses", "stored poses"
 
-    def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        """Lay the panel out, hidden."""
-        self._session, self._on_move, self._is_open = session, on_move, False
+    def _lay_out(self) -> None:
         self._way: list[Mapping[str, float]] = []
         self._progress = 0.0  # along the way, in poses
         self._arm: OpenArm | None = None  # whose way it is
         self._laid: list[dict[str, float]] | None = None  # the poses that have buttons
-        with panel("stored poses") as self._panel:
-            with row_of():
-                small_button("store this pose", self._store, "add")
-                self._play = small_button("play", self._play_or_stop, "play_arrow")
-            self._list = row_of()
+        with row_of():
+            small_button("store this pose", self._store, "add")
+            self._play = small_button("play", self._play_or_stop, "play_arrow")
+        self._list = row_of()
         self._timer = ui.timer(TICK, self._go_on, active=False)
-        self.show()
-
-    def switch(self) -> None:
-        """Open it, or close it."""
-        self._is_open = not self._is_open
-        self.show()
 
     def show(self) -> None:
         """Show the poses that are stored."""
@@ -63,16 +55,19 @@ class PosesPanel:
         with self._list:
             for number in range(len(session.poses)):
                 with ui.button_group().props("outline"):
-                    go = ui.button(
-                        f"{number + 1}", on_click=lambda number=number: self._start(session.poses[number : number + 1])
-                    )
-                    go.props(f'outline dense size=sm aria-label="pose {number + 1}"')
-                    drop = ui.button(icon="close", on_click=lambda number=number: self._drop(number))
-                    drop.props(f'outline dense size=sm aria-label="forget pose {number + 1}"')
+                    for told, icon, act in (
+                        (f"pose {number + 1}", None, self._go_to),
+                        (f"forget pose {number + 1}", "close", self._drop),
+                    ):
+                        button = ui.button("" if icon else f"{number + 1}", icon=icon, on_click=partial(act, number))
+                        button.props(f'outline dense size=sm aria-label="{told}"')
 
     def _store(self) -> None:
         self._session.poses.append(dict(self._session.q))
         self.show()
+
+    def _go_to(self, number: int) -> None:
+        self._start(self._session.poses[number : number + 1])
 
     def _drop(self, number: int) -> None:
         self._timer.deactivate()
@@ -114,31 +109,32 @@ def between(way: list[Mapping[str, float]], progress: float) -> dict[str, float]
     return {name: value + part * (other.get(name, value) - value) for name, value in one.items()}
 
 
-class MeasuringPanel:
+class MeasuringPanel(Panel):
     """Measures between two frames, and shows the workspace as a cloud of points."""
 
     ICON, TITLE = "straighten", "measure between frames, and show the workspace"
+    NAME = "measuring"
 
     def __init__(self, session: Session, on_move: Callable[[], None], show_cloud: Callable[..., None]) -> None:
         """Lay the panel out, hidden."""
-        self._session, self._on_move, self._show_cloud = session, on_move, show_cloud
-        self._is_open = False
+        self._show_cloud = show_cloud
+        super().__init__(session, on_move)
+
+    def _lay_out(self) -> None:
         self._arm: OpenArm | None = None  # whose workspace is shown
-        with panel("measuring") as self._panel:
-            with row_of():
-                self._from, self._to = (
-                    ui.select([], on_change=self._choose).props(f'dense outlined prefix="{word}" aria-label="{word}"')
-                    for word in ("from", "to")
-                )
-                self._cloud = ui.checkbox("workspace", on_change=self.show).props("dense size=xs")
-            self._words = ui.label().classes("studio-measured").style("white-space: pre-line")
-            self._reach = ui.label()
-        self.show()
+        with row_of():
+            self._from, self._to = (
+                ui.select([], on_change=self._choose).props(f'dense outlined prefix="{word}" aria-label="{word}"')
+                for word in ("from", "to")
+            )
+            self._cloud = ui.checkbox("workspace", on_change=self.show).props("dense size=xs")
+        self._words = ui.label().classes("studio-measured").style("white-space: pre-line")
+        self._reach = ui.label()
 
     def switch(self) -> None:
-        """Open it, or close it."""
-        self._is_open = not self._is_open
-        self._choose()
+        """Open it, or close it; the line between the frames comes and goes with it."""
+        super().switch()
+        self._on_move()
 
     def show(self) -> None:
         """Show the measures as they are now."""

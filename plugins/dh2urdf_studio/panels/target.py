@@ -20,14 +20,13 @@ from dh2urdf.rotations import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
-from dh2urdf_studio.widgets import panel, row_of
+from dh2urdf_studio.widgets import Panel, row_of
 from dh2urdf_studio.words import USUAL, decimals, short
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.rotations import Vec3
     from dh2urdf_studio.editing.session import Session
 
 PLACE = ("x", "y", "z")
@@ -38,30 +37,30 @@ _SINGULAR = 1e-9  # a singular value that is less is rounding
 _PATIENCE = 0.2  # of a person who waits for an answer [s]
 
 
-class TargetPanel:
+class TargetPanel(Panel):
     """Shows the pose of tool0 in boxes, and moves the arm to the pose that is typed there, or dragged to."""
 
-    ICON, TITLE = "ads_click", "set the pose of tool0"
+    ICON, TITLE, NAME = "ads_click", "set the pose of tool0", "the pose of tool0"
 
-    def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[..., None]) -> None:
+    def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[[bool], None]) -> None:
         """Lay the panel out, hidden."""
-        self._session, self._on_move, self._on_switch = session, on_move, on_switch
-        self._is_open = False
+        self._on_switch = on_switch
         self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
         self._shown: dict[str, tuple[str, float]] = {}  # the text of a box, and the value that it was made of
         self._focused = ""  # the box that a person types in
         self._searches = 0
         self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
-        with panel("the pose of tool0") as self._panel:
-            with row_of():
-                ui.label("T(base_link → tool0)").classes("studio-caption")
-                self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)
-                self._turn.props('dense unelevated no-caps aria-label="how the orientation is written"')
-            with row_of():
-                self._boxes = {name: self._box(name) for name in (*PLACE, *sum(TURNS.values(), ()))}
-            self._answer = ui.label().classes("studio-target-answer").props('role="status"')
-            self._numbers = ui.label().classes("studio-target-numbers")
-        self.show()
+        super().__init__(session, on_move)
+
+    def _lay_out(self) -> None:
+        with row_of():
+            ui.label("T(base_link → tool0)").classes("studio-caption")
+            self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)
+            self._turn.props('dense unelevated no-caps aria-label="how the orientation is written"')
+        with row_of():
+            self._boxes = {name: self._box(name) for name in (*PLACE, *sum(TURNS.values(), ()))}
+        self._answer = ui.label().classes("studio-target-answer").props('role="status"')
+        self._numbers = ui.label().classes("studio-target-numbers")
 
     def _box(self, name: str) -> ui.input:
         box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
@@ -74,11 +73,10 @@ class TargetPanel:
             self._focused = name
 
     def switch(self) -> None:
-        """Open it, or close it."""
-        self._is_open = not self._is_open
+        """Open it, or close it; the handle comes and goes with it."""
         self._answer.set_text("")
-        self._on_switch(shown=self._is_open)
-        self.show()
+        super().switch()
+        self._on_switch(self._is_open)
 
     def show(self) -> None:
         """Show the pose, and what the arm can do from here."""
@@ -150,7 +148,7 @@ class TargetPanel:
         number = self._searches
         try:
             search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
-                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(), self._start(arm.manipulator))
+                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(), self._session.vector)
             )
             done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
             if not done:
@@ -165,19 +163,16 @@ class TargetPanel:
             self._take(arm.manipulator, found)
             self._keeps_texts = False
 
-    def drag(self, place: Vec3, *, begins: bool) -> None:
+    def drag(self, x: float, y: float, z: float, *, begins: bool) -> None:
         """Follow the handle: tool0 comes to a place [m], turned as it was when the handle was taken."""
         arm, pose = self._session.arm, self._session.pose
         if arm is None or pose is None:
             return
         if begins:
             self._dragged = pose.rotation
-        target = RigidTransform(self._dragged, place)
-        found = inverse_kinematics(arm.manipulator, target, self._start(arm.manipulator), attempts=1)
+        target = RigidTransform(self._dragged, (x, y, z))
+        found = inverse_kinematics(arm.manipulator, target, self._session.vector, attempts=1)
         self._take(arm.manipulator, found)
-
-    def _start(self, arm: Manipulator) -> list[float]:
-        return [self._session.q.get(row.joint, 0.0) for row in arm.moving_rows]
 
     def _take(self, arm: Manipulator, found: InverseSolution) -> None:
         values = {}
@@ -196,7 +191,7 @@ def _shortfall(found: InverseSolution) -> str:
 
 def _words_of(arm: Manipulator, session: Session) -> str:
     """Manipulability, the distance from a singularity, and the joint that is nearest to a limit."""
-    here = dexterity(arm, [session.q.get(row.joint, 0.0) for row in arm.moving_rows])
+    here = dexterity(arm, session.vector)
     parts = [f"manipulability {here.manipulability:.3g}", f"smallest singular value {here.smallest_singular_value:.3g}"]
     if here.smallest_singular_value < _SINGULAR:
         parts = ["The arm is at a singularity: manipulability 0"]

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from dh2urdf_studio.arrivals import Arrivals
+    from dh2urdf_studio.app import Arrivals
 
 
 @pytest.fixture
 def arrivals() -> Arrivals:
     pytest.importorskip("nicegui")
-    from dh2urdf_studio.arrivals import Arrivals
+    from dh2urdf_studio.app import Arrivals
 
     return Arrivals()
 
@@ -39,7 +39,7 @@ def test_pages_that_are_gone_are_forgotten(arrivals: Arrivals, monkeypatch: pyte
     """Of the pages that are gone, the one that was not heard of for the longest time goes first; those that are there stay."""
     from nicegui import Client
 
-    monkeypatch.setattr("dh2urdf_studio.arrivals.MOST_PAGES", 3)
+    monkeypatch.setattr("dh2urdf_studio.app.MOST_PAGES", 3)
     monkeypatch.setitem(Client.instances, "there", None)
     for page in ("there", "one", "two", "one", "three"):
         arrivals.take(page, 1)

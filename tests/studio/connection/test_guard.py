@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dh2urdf_studio.guard import Guard
+from dh2urdf_studio.server import Guard
 
 GUARD = Guard(None, 8420, ["robot-pc"])  # type: ignore[arg-type]  # only its judgement is asked for
 

@@ -8,7 +8,7 @@ from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
 from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf_studio.drawing.scene import Figure
-from dh2urdf_studio.robot_tree import contents
+from dh2urdf_studio.view_page import contents
 
 
 def test_links_from_the_root_with_all_that_they_hold() -> None:

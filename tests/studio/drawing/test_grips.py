@@ -10,7 +10,7 @@ import pytest
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.stages.foreign_robot import Follower
-from dh2urdf_studio.drawing.grips import Grip
+from dh2urdf_studio.drawing.parts import Grip
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:

@@ -13,9 +13,8 @@ import trimesh
 
 from dh2urdf.errors import OutputError
 from dh2urdf.isolation import Child
-from dh2urdf_studio.drawing import mesh_store
-from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
-from dh2urdf_studio.drawing.mesh_store import MeshStore
+from dh2urdf_studio.drawing import mesh_files as mesh_store
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, triangles
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_studio.drawing.strokes import ORDER, motions, moving_frame, so_far
+from dh2urdf_studio.drawing.strokes import ORDER, moving_frame, so_far
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,14 +39,15 @@ def test_the_product_is_the_row(convention: Convention, row: DHRow) -> None:
     """At the end it is A(q); in between the motions of the textbook's order, the last one in part."""
     names = ("theta", "d", "a", "alpha") if convention is Convention.STANDARD else ("alpha", "a", "theta", "d")
     assert ORDER[convention] == names
-    steps = motions(convention, row, 0.35)
-    assert so_far(steps, 0.0) == RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    assert so_far(convention, row, 0.35, 0.0) == RigidTransform(
+        (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+    )
     whole = as_matrices(row_transform(convention, row, 0.35))
-    assert np.abs(as_matrices(so_far(steps, 4.0)) - whole).max() < 1e-15
+    assert np.abs(as_matrices(so_far(convention, row, 0.35, 4.0)) - whole).max() < 1e-15
     sizes = {"theta": row.theta, "d": row.d, "a": row.a, "alpha": row.alpha}
     sizes["d" if row is SLIDE else "theta"] += row.offset + row.sign * 0.35
     expected = elementary(names[0], sizes[names[0]]) @ elementary(names[1], 0.25 * sizes[names[1]])
-    assert np.abs(as_matrices(so_far(steps, 1.25)) - expected).max() < 1e-15
+    assert np.abs(as_matrices(so_far(convention, row, 0.35, 1.25)) - expected).max() < 1e-15
 
 
 @pytest.mark.parametrize("convention", list(Convention))

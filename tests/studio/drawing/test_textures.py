@@ -14,8 +14,7 @@ from PIL import Image
 
 from dh2urdf_studio.drawing import mesh_files
 from dh2urdf_studio.drawing.exports import glb
-from dh2urdf_studio.drawing.mesh_files import DrawnMesh, triangles
-from dh2urdf_studio.drawing.mesh_store import MeshStore
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, triangles
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:

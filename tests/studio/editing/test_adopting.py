@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf_studio.editing.comparing import adopted, changed_cells, own_table
+from dh2urdf_studio.editing.comparing import GivenFiles, adopted, changed_cells, own_table
 from dh2urdf_studio.editing.edits import with_cells
-from dh2urdf_studio.editing.given_files import GivenFiles
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 

@@ -11,8 +11,7 @@ import pytest
 import dh2urdf
 import dh2urdf_studio
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.editing.comparing import NAME
-from dh2urdf_studio.editing.given_files import GivenFiles
+from dh2urdf_studio.editing.comparing import NAME, GivenFiles
 from dh2urdf_studio.editing.opening import open_tables
 from dh2urdf_studio.editing.session import Session
 

@@ -10,8 +10,8 @@ import pytest
 
 from dh2urdf.errors import InputError
 from dh2urdf_studio.drawing.scene import Drawing
-from dh2urdf_studio.editing import given_files
-from dh2urdf_studio.editing.given_files import GivenFiles
+from dh2urdf_studio.editing import comparing as given_files
+from dh2urdf_studio.editing.comparing import GivenFiles
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -24,7 +24,7 @@ from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
 from dh2urdf_plugins.readers.sources.several import choose
-from dh2urdf_plugins.readers.sources.texts import named_columns
+from dh2urdf_plugins.readers.sources.texts import named_columns, without_name
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
@@ -44,24 +44,23 @@ KEYS = (*STATEMENTS, "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 NOT_IN_A_JOINT = ("robot", "convention")
 """Fields that a table of one manipulator has no column for."""
-_JOINTS = (
-    "joints",
-    *("dh_parameters", "dh_params", "dh_table", "dh", "links", "parameters", "params", "rows", "table", "chain"),
-)
+_JOINTS = "joints dh_parameters dh_params dh_table dh links parameters params rows table chain".split()  # noqa: SIM905
 """What the joints are called, in dh2urdf and in other programs."""
 _UNIT_KEYS = {f"{kind}_{word}": kind for kind in ("length", "angle") for word in ("unit", "units")}
 _UNIT_KEYS |= {f"{word}_{kind}": kind for kind in ("length", "angle") for word in ("unit", "units")}
 _OF_OTHER_PROGRAMS = ("columns", "dof", "version")
 """Keys that declare nothing of the arm."""
-_NAMES = ("index", "joint", "link")
 _PARTS = {"limits": LIMITS, "com": COM, "inertia": INERTIA}
-_OTHERS = {
-    "ur-kinematics": ("a calibration of Universal Robots' ROS packages", "kinematics", "shoulder"),
-    "franka-kinematics": ("a kinematics.yaml of Franka's ROS package", "joint1", "kinematic"),
-}
-"""Readers of other YAML files: what they read, and a key with a key in it that shows it."""
+_OTHERS = (
+    ("ur-kinematics", "a calibration of Universal Robots' ROS packages", "kinematics", "shoulder"),
+    ("franka-kinematics", "a kinematics.yaml of Franka's ROS package", "joint1", "kinematic"),
+    *(("screws", "a file of screw axes", key, other) for key, other in (("Slist", ""), ("Blist", ""), ("H", "P"))),
+)
+"""Readers of other YAML files: what they read, and a key, perhaps with another one beside it or in it, that shows it."""
+_COMMENT = r"#+(?!>)\s*(.*)"
 _SENTENCE = r"#+(?!>)\s*(?![\w .-]{1,40}:)(.*)"
-"""A comment, and no key that somebody took out by making it one."""
+"""A comment of YAML, and no key that somebody took out by making it one; a program has no other way to declare one."""
+_NUMBER = "a number or an expression"
 
 say = Messages(__file__)
 
@@ -70,9 +69,10 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
     """The manipulators of a YAML or JSON file; see `read` of the stage ``yaml``."""
     file, count = str(path), 0
     choose([path], ["line 1"], options.table_number, path)
+    content = decoded(read_bytes(path, TableError), file, TableError)
+    text = without_name(content)
+    comments = _comments(text, file, _SENTENCE if text == content else _COMMENT)
     previous: Item | None = None
-    text = decoded(read_bytes(path, TableError), file, TableError)
-    comments = _sentences(text, file)
     for item in stream_yaml(text, file, TableError, items_of="robots", longest_list=MAX_JOINTS):
         if previous is not None:
             count += 1
@@ -81,18 +81,16 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         previous = item
     if previous is None:
         return
-    root = previous.node
-    if not isinstance(root.value, dict) or "robots" not in root.value:
+    root, problems = previous.node, list(previous.problems)
+    if (robots := root.entry("robots")) is None:
         if other := _other_reader(root):
             raise TableError(other)
         first = root.value[0] if isinstance(root.value, list) and root.value else root
         if not root.value or not isinstance(first.value, dict | list):
-            raise TableError([*previous.problems, say("no-mapping", root.mark, what=root.describe(), keys=KEYS)])
+            raise TableError([*problems, say("no-mapping", root.mark, what=root.describe(), keys=KEYS)])
         yield _manipulator(previous, path.stem, options, trace, comments)
         return
-    problems = list(previous.problems)
-    problems += [_unknown_key(root, key, ("robots",)) for key in root.value if key != "robots"]
-    robots = root.value["robots"]
+    problems += [_unknown_key(root, key, ("robots",)) for key in root.plain() if key != "robots"]
     if not count and not problems:
         what = "an empty list" if isinstance(robots.value, list) else robots.describe()
         problems.append(say("no-robots", robots.mark, field="robots", what=what))
@@ -105,10 +103,10 @@ def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
     return _manipulator(item, default_name, TableOptions())
 
 
-def _sentences(text: str, file: str) -> list[CellRow]:
-    """The comments that are lines of their own."""
+def _comments(text: str, file: str, pattern: str) -> list[CellRow]:
+    """The comments that are lines of their own and of a pattern."""
     lines = enumerate(text.splitlines(), start=1) if "#" in text else ()
-    found = ((number, re.match(_SENTENCE, line.strip())) for number, line in lines if line.lstrip().startswith("#"))
+    found = ((number, re.match(pattern, line.strip())) for number, line in lines if line.lstrip().startswith("#"))
     return [CellRow([f"# {match[1]}"], Mark(file=file, line=number)) for number, match in found if match]
 
 
@@ -136,14 +134,7 @@ def _manipulator(
 
 
 class _Value(NamedTuple):
-    """What a joint says under a key.
-
-    Attributes:
-        header: the key, as the header of its column.
-        key: its place.
-        cell: the text, or what is wrong with the value.
-        mark: the place of the value.
-    """
+    """What a joint says under a key: the header of its column with its place, and a text or what is wrong with it."""
 
     header: str
     key: Mark
@@ -176,12 +167,16 @@ class Document:
             if node is not self.joints and not (self.joints is self.node and _is_row_of(key, node)):
                 left_out += self._state(key, node)
         if left_out:
-            is_one = len(left_out) == 1
-            words = ("the key", "is") if is_one else ("the keys", "are")
-            keys, mark = ", ".join(map(shown, left_out)), item.node.key_mark(left_out[0])
-            self.notices.append(say("keys-left-out", mark, found=left_out[0], what=f"{words[0]} {keys} {words[1]}"))
-        if defaults := self.said.get("defaults"):
-            self.said["defaults"] = self._without_fields(defaults)
+            words = ("the key", "is") if len(left_out) == 1 else ("the keys", "are")
+            what, mark = f"{words[0]} {', '.join(map(shown, left_out))} {words[1]}", item.node.key_mark(left_out[0])
+            self.notices.append(say("keys-left-out", mark, found=left_out[0], what=what))
+        defaults = self.said.get("defaults")
+        if defaults is not None and isinstance(defaults.value, dict):  # fields of joints are common to all joints
+            named = {key for key in defaults.value if _field(key) not in (None, "index", "joint", "link")}
+            for key in defaults.value:
+                self.common |= self._values(defaults, key, defaults.value[key]) if key in named else {}
+            others = {key: node for key, node in defaults.value.items() if key not in named}
+            self.said["defaults"] = replace(defaults, value=others)
 
     def _joints(self) -> Node | None:
         """What holds the joints: the value of a key, or the document itself."""
@@ -211,25 +206,17 @@ class Document:
             return [key]
         return []
 
-    def _without_fields(self, defaults: Node) -> Node:
-        """The defaults without fields of joints, which are common to all joints."""
-        if not isinstance(defaults.value, dict):
-            return defaults
-        fields = [key for key in defaults.value if (field := _field(key)) and field not in _NAMES]
-        for key in fields:
-            self.common |= self._values(defaults, key, defaults.value[key])
-        return replace(defaults, value={key: node for key, node in defaults.value.items() if key not in fields})
-
     def with_meshes(self, found: Manipulator | Rejected, table: RowTable) -> Manipulator | Rejected:
         """What was read, with the meshes of its links and what is wrong with them and with the document."""
-        names = {number: row.joint for number, row in enumerate(found.rows)} if isinstance(found, Manipulator) else {}
-        drawn: dict[int, dict[str, Any]] = {}
+        rows = list(found.rows) if isinstance(found, Manipulator) else []
         for number, entries in enumerate(self.meshes):
-            if entries:
-                wrong: list[Problem] = []
-                values = Values(table.statements.units(), wrong.append, links=table.statements.mesh_links)
-                drawn[number] = meshes_of(values.entries(entries, MESHES))
-                self.problems += [replace(each, joint=names.get(number, f"joint_{number + 1}")) for each in wrong]
+            wrong: list[Problem] = []
+            values = Values(table.statements.units(), wrong.append, links=table.statements.mesh_links)
+            drawn = meshes_of(values.entries(entries, MESHES))
+            joint = rows[number].joint if rows else f"joint_{number + 1}"
+            self.problems += [replace(each, joint=joint) for each in wrong]
+            if rows and drawn:
+                rows[number] = replace(rows[number], **drawn)
         own = [problem.about(robot=found.name) for problem in (*self.problems, *self.notices)]
         errors = tuple(problem for problem in own if problem.severity == "error")
         notices = (*found.notices, *(problem for problem in own if problem.severity == "notice"))
@@ -237,10 +224,7 @@ class Document:
             return replace(found, problems=errors + found.problems, mark=self.node.mark, notices=notices)
         if errors:
             return Rejected(name=found.name, problems=errors, mark=self.node.mark, notices=notices)
-        rows = list(found.rows)
-        for number, mesh in drawn.items():
-            rows[number] = replace(rows[number], **mesh)
-        return replace(found, rows=tuple(rows), notices=notices) if drawn or notices else found
+        return replace(found, rows=tuple(rows), notices=notices) if any(self.meshes) or notices else found
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
@@ -261,7 +245,7 @@ class Document:
             return [named_columns(rows, columns, self.node.file), *rows]
         records = list(self._records(joints))
         values = [self._joint(number, node) for number, node in enumerate(records, start=1)]
-        values = _with_signs([{**_without_twins(self.common, own), **own} for own in values])
+        values = [{**self.common, **own} for own in values]
         headers = {key: value for own in values for key, value in own.items()}
         named = [each.header for each in headers.values()]
         header = CellRow(named, joints.mark, [each.key for each in headers.values()])
@@ -289,17 +273,14 @@ class Document:
 
     def _joint(self, number: int, node: Node) -> dict[str, _Value]:
         """What a joint says, by column."""
-        self.meshes.append({})
+        entries = node.value if isinstance(node.value, dict) else {}
+        self.meshes.append({key: item for key, item in entries.items() if key in MESH_KEYS})
         if not isinstance(node.value, dict):
             what = f"joint {number} is {node.describe()}"
             self.problems.append(say("joint-no-mapping", node.mark, field="joints", found=node.text, what=what))
-            return {}
         found: dict[str, _Value] = {}
-        for key, item in node.value.items():
-            if key in MESH_KEYS:
-                self.meshes[-1][key] = item
-                continue
-            for column, value in self._values(node, key, item).items():
+        for key, item in entries.items():
+            for column, value in self._values(node, key, item).items() if key not in MESH_KEYS else ():
                 found[f"{column} {key}" if column in found else column] = value
         return found
 
@@ -320,37 +301,31 @@ class Document:
                 return self._parts(field.name, place, node)
             self.problems.append(say("key-with-a-unit", place, field=field.name, found=key))
             return {}
-        cell: str | Problem = _text(node)
-        if field is not None and is_nested:
-            accepted = "a text" if field.dimension is None else "a number or an expression"
-            cell = say("wrong-value", node.mark, field=field.name, what=node.describe(), wanted=accepted)
-        elif field is not None and isinstance(node.value, bool) and field.dimension is not None:
+        if field is None:
+            return {key: _Value(key, place, _text(node), node.mark)}
+        if field.name == "flip" and (turned := flip_of(_text(node))) is not None:  # so that it and `sign` are one column
+            return {"sign": _Value("sign", place, "-1" if turned else "1", node.mark)}
+        cell = _cell(node, field.name, "a text" if field.dimension is None else _NUMBER)
+        if isinstance(node.value, bool) and field.dimension is not None:
             cell = say("truth-value", node.mark, field=field.name, found=node.text, what=node.describe())
-        return {_column(key): _Value(key, place, cell, node.mark)}
+        column = f"{field.name}{header.link or ''}{header.unit or ''}"  # keys of one field have one column
+        return {column: _Value(key, place, cell, node.mark)}
 
     def _parts(self, group: str, place: Mark, node: Node) -> dict[str, _Value]:
         """Several fields at once: as a mapping, as a list, or as the text of a cell."""
         found: dict[str, _Value] = {}
-        if node.value is None:
-            return found
         if isinstance(node.value, dict):
             for key, item in node.value.items():
                 name = PARTS.get(key, key)
-                cell: str | Problem = _text(item)
                 if name not in _PARTS[group]:
                     self.problems.append(_unknown_key(node, key, _PARTS[group]))
                     continue
-                if isinstance(item.value, dict | list):
-                    wanted = "a number or an expression"
-                    cell = say("wrong-value", item.mark, field=name, what=item.describe(), wanted=wanted)
-                found[name] = _Value(name, place, cell, item.mark)
+                found[name] = _Value(name, place, _cell(item, name, _NUMBER), item.mark)
             return found
-        names = GROUPS[group].parts
-        items = node.value if isinstance(node.value, list) else []
+        names, items = GROUPS[group].parts, node.value if isinstance(node.value, list) else []
         if group != "inertia" and len(items) == len(names) and all(item.text is not None for item in items):
             return {name: _Value(name, place, _text(item), item.mark) for name, item in zip(names, items, strict=True)}
-        text = flow_text(node) if isinstance(node.value, list) else node.text or ""
-        parts = split_cell(GROUPS[group], text, node.mark)
+        parts = split_cell(GROUPS[group], flow_text(node) if items else _text(node), node.mark)
         if isinstance(parts, Problem):
             self.problems.append(parts)
             return found
@@ -371,10 +346,11 @@ def _text(node: Node) -> str:
     return "" if node.value is None else node.text or ""
 
 
-def _column(key: str) -> str:
-    """The column of a key: keys of one field have one column, but for those of the link before."""
-    header = read_header(key)
-    return f"{header.field.name}{header.link or ''}{header.unit or ''}" if header.field else key
+def _cell(node: Node, name: str, accepted: str) -> str | Problem:
+    """The cell of a field, or what is wrong with a mapping or a list in its place."""
+    if isinstance(node.value, dict | list):
+        return say("wrong-value", node.mark, field=name, what=node.describe(), wanted=accepted)
+    return _text(node)
 
 
 def _is_row_of(key: str, node: Node) -> bool:
@@ -383,22 +359,6 @@ def _is_row_of(key: str, node: Node) -> bool:
         return _field(key) is not None
     geometry = ("a", "alpha", "d", "theta")
     return isinstance(node.value, dict) and key not in KEYS and sum(_field(k) in geometry for k in node.value) > 1
-
-
-def _without_twins(common: Mapping[str, _Value], own: Mapping[str, _Value]) -> dict[str, _Value]:
-    """What is common to all joints, but for a sign that a joint says itself, perhaps under its other name."""
-    signed = not {"flip", "sign"}.isdisjoint(own)
-    return {key: value for key, value in common.items() if not (signed and key in ("flip", "sign"))}
-
-
-def _with_signs(joints: list[dict[str, _Value]]) -> list[dict[str, _Value]]:
-    """Joints of which some say `flip` and others `sign`, all with `sign`."""
-    if {"flip", "sign"} <= {key for own in joints for key in own}:
-        for own in joints:
-            turned = flip_of(str(own["flip"].cell)) if "flip" in own and "sign" not in own else None
-            if turned is not None:
-                own["sign"] = own.pop("flip")._replace(header="sign", cell="-1" if turned else "1")
-    return joints
 
 
 def _row(own: Mapping[str, _Value], headers: Iterable[str], mark: Mark) -> CellRow:
@@ -421,7 +381,7 @@ def _unknown_key(mapping: Node, key: str, keys: Iterable[str]) -> Problem:
 def _other_reader(root: Node) -> Problem | None:
     """A mapping that is no table, and that another reader of YAML files reads; None for any other."""
     entries = root.value if isinstance(root.value, dict) else {}
-    found = [name for name, (_, key, inner) in _OTHERS.items() if key in entries and entries[key].entry(inner)]
-    if any(each in entries for each in ("Slist", "Blist")) or {"H", "P"} <= entries.keys():
-        return say("other-reader", root.mark, what="a file of screw axes", reader="screws")
-    return say("other-reader", root.mark, what=_OTHERS[found[0]][0], reader=found[0]) if found else None
+    for reader, what, key, inner in _OTHERS:
+        if key in entries and (not inner or inner in entries or entries[key].entry(inner)):
+            return say("other-reader", root.mark, what=what, reader=reader)
+    return None

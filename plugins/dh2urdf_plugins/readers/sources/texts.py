@@ -35,6 +35,10 @@ _BAR_RULE = r"[\s|+:=-]+"
 """A line below the header of a table of Markdown, or between its rows."""
 _KEY = r"\s*(?:- +|\? +)?[\"']?[^\W\d][\w .()-]{0,40}[\"']?\s*:(?:\s|$)|\s*-(?:\s|$)|\s*[\]}{]"
 """A line of YAML."""
+_NAME = (
+    r"((?:[ \t]*(?:(?:#|import |from ).*)?\n)*+[ \t]*)([^\W\d]\w*[ \t]*=\s*)(?=(?:\[\s*)?\{\s*([\"'])[^\"'\n]*\3\s*:)"
+)
+"""What a program has before a dictionary or a list of them: ``DH = ``, below its imports."""
 _KEY_OF_LIST = r"\s*[\w -]{1,40}:\s*[\[{]"
 _ENVIRONMENT = r"\\begin\{(tabular[*xy]?|longtable|tblr|array|[bpvBV]?matrix)\}"
 _COMMAND = r"\\(?:begin|end|label|vspace|small|centering|caption)\b(?:\[[^\]]*\])?(?:\{\w*[:\w]*\})?"
@@ -87,8 +91,7 @@ def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
         return "latex"
     if any(line.count("|") > 1 and "-" in line and re.fullmatch(_BAR_RULE, line) for line in plain):
         return "markdown"
-    start = text.lstrip()[:80]
-    if re.match(r"---(\s|$)|\{\s*[\"'\w]|\[\s*\{\s*[\"'A-Za-z_]", start):
+    if re.match(r"---(\s|$)|\{\s*[\"'\w]|\[\s*\{\s*[\"'A-Za-z_]", text.lstrip()[:80]) or re.match(_NAME, text):
         return "yaml"
     if any(delimiter_of(line) for line in plain if not re.match(_KEY_OF_LIST, line)) or any(
         line.count('"') % 2 for line in plain
@@ -107,6 +110,14 @@ def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
     ):
         return "listing"
     return "csv" if not plain or _has_delimiters(plain) else "blanks"
+
+
+def without_name(text: str) -> str:
+    """A text with blanks in place of the name that a program gives to a dictionary, or to a list of them."""
+    if match := re.match(_NAME, text):
+        above = re.sub(r"(?m)^[ \t]*[if].*", "", match[1])
+        return above + " " * len(match[2]) + text[match.end() :]
+    return text
 
 
 def delimiter_of(line: str) -> str | None:

@@ -419,7 +419,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4690,
     "plugins/dh2urdf_plugins/loaders": 3430,
     "plugins/dh2urdf_plugins/packages": 2270,
-    "plugins/dh2urdf_plugins/readers": 8980,
+    "plugins/dh2urdf_plugins/readers": 8920,
     "plugins/dh2urdf_plugins/transforms": 2310,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7410,

@@ -113,7 +113,7 @@ class TestTheTop:
         ("cells", "said"),
         [
             ([], "arm.ods: error: there is no header and there are no rows"),
-            ([["a note"]], "arm.ods:Sheet1!A1: error: no row is a header whose columns are known; the first row is 'a note'"),
+            ([["a note"]], "arm.ods:Sheet1!A1: error: field 'columns': no row is a header whose columns are known"),
             ([["a", "b"]], "arm.ods:Sheet1!A1: error: field 'alpha': there is no column for alpha in the header"),
             ([["a", "alpha", "lenght"]], "arm.ods:Sheet1!A1: error: field 'd': there is no column for d in the header"),
             ([["# untis: mm"], HEADER], "arm.ods:Sheet1!A1: error: the comment line says 'untis', which nothing is called"),

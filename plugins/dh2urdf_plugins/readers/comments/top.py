@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
@@ -20,9 +20,10 @@ from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joi
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from dh2urdf.table_text import CellRow
+    from dh2urdf_plugins.readers.rows.source import RowSource
 
 say = Messages(__file__)
 
@@ -51,7 +52,7 @@ class Top:
 
 
 def read_top(
-    rows: Iterable[CellRow],
+    rows: RowSource,
     whole: Mark,
     statements: Mapping[str, Node] | None = None,
     *,
@@ -89,13 +90,14 @@ def read_top(
         likely = max(above, key=lambda row: len(_fields(row)), default=None)
         if likely is None or not _fields(likely):
             raise TableError(_no_header(above, whole))
-        header = likely
+        header, place = likely, above.index(likely)
+        last = above[place - 1] if place else None
+        del above[place:]
     if problem := _too_large(header):
         raise TableError(problem)
     if last and above and last is above[-1] and last is not header and not _too_large(last):
         header = join_headers(last, header)
-    if isinstance(rows, HeaderRows):
-        header = rows.complete(header)
+    header = rows.complete(header)
     texts, sentences = marked_as_left_out(header, ignore), sentences_in(comments)
     declared = said["convention"].text if "convention" in said else convention
     meant = (
@@ -127,14 +129,6 @@ def _too_large(header: CellRow) -> Problem | None:
     if count > MAX_COLUMNS:
         return say("many-columns", header.mark, count=count, limit=MAX_COLUMNS)
     return say("long-header", header.mark, count=longest, limit=MAX_TEXT) if longest > MAX_TEXT else None
-
-
-@runtime_checkable
-class HeaderRows(Protocol):
-    """Rows whose header may go on in the row below it."""
-
-    def complete(self, header: CellRow) -> CellRow:
-        """The header with what the row below it adds: units, or names of columns that share a title."""
 
 
 def is_header(row: CellRow) -> bool:
@@ -176,7 +170,12 @@ def _fields(row: CellRow) -> set[str]:
 
 
 def _no_header(above: Sequence[CellRow], whole: Mark) -> Problem:
+    """What is wrong with rows none of which is like a header."""
     if not above:
         return say("no-rows", whole)
-    advice = TURN_ROUND if are_joints(headers_in(above[0])) else None
-    return say("no-header", above[0].mark, first=comment_text(above[0]), suggestion=advice)
+    first, advice = comment_text(above[0]), None
+    if ":" in first and first.partition(":")[0].strip().casefold() in STATEMENTS:
+        advice = f"write `# {first}`: what holds for all rows is in comment lines"
+    elif are_joints(headers_in(above[0])):
+        advice = TURN_ROUND
+    return say("no-header", above[0].mark, field="columns", found=first, suggestion=advice)

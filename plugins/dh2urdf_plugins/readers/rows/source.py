@@ -42,17 +42,23 @@ class RowSource(Protocol):
     def batches(self) -> Iterator[tuple[Sequence[Any], Sequence[Row]]]:
         """Some hundred rows below the header at a time, and the key of each."""
 
-    def row_places(self, keys: Iterable[Any]) -> Iterable[PlaceInFile]:
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with what the row below it adds: units, or names of columns that share a title."""
+
+    def places(self, keys: Iterable[Any]) -> Iterable[PlaceInFile]:
         """The places of rows in the file."""
 
-    def row_marks(self, keys: Iterable[Any]) -> Iterable[Mark]:
-        """The same, with the file."""
+    def mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of its own
+        """The place of a row, with the file."""
 
-    def marks(self, key: Any, texts: Sequence[str]) -> Sequence[Mark]:  # noqa: ANN401 - a key of its own
-        """The place of each cell of a row."""
+    def row(self, key: Any, cells: Row, number: int) -> tuple[CellRow, Iterable[Problem]]:  # noqa: ANN401
+        """A row with the place of each cell, and why the cells are not those of the columns.
 
-    def row_problems(self, key: Any, texts: Sequence[str], number: int) -> Iterable[Problem]:  # noqa: ANN401
-        """Why the cells of a row, whose number within its manipulator is given, are not those of the columns."""
+        Args:
+            key: the row's key.
+            cells: its cells, as they were handed on.
+            number: its number within its manipulator.
+        """
 
 
 @dataclass(slots=True)

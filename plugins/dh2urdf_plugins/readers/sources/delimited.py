@@ -7,23 +7,21 @@ import re
 from collections import deque
 from itertools import accumulate, chain, islice
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, shown
-from dh2urdf.table_text import REQUIRED, STATEMENTS, CellRow
+from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
-from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
-from dh2urdf_plugins.readers.header.columns import TURN_ROUND, are_joints
-from dh2urdf_plugins.readers.header.header_rows import completed, headers_in
+from dh2urdf_plugins.readers.comments.top import MAX_TITLES
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
 from dh2urdf_plugins.readers.sources.several import choose, one_table, starts_table
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, fields_in, split
 from dh2urdf_plugins.readers.statements.text import line_blocks
-from dh2urdf_plugins.readers.tables.cell_rows import is_note, other_header
-from dh2urdf_plugins.readers.words.cells import SPACES
+from dh2urdf_plugins.readers.tables.cell_rows import Joints, other_header
+from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import (
     SIGNS,
-    Comment,
     as_typed,
     fills_row,
     is_comment,
@@ -42,6 +40,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.source import Row
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 MAX_BELOW = 1000
 """Comments below the header that are kept, for the names that they may define."""
@@ -94,49 +93,51 @@ class CsvRows:
         self.blocks = line_blocks(path) if number is None else iter([lines_of_table(path, number)])
         self.lines: list[str] = []  # those that were read and not handed on
         self.passed = 0  # lines before these
+        self.top: dict[int, _Line] = {}
         self.delimiter = ","
         self.header: list[str] = []
         self.width = self.needed = 0
-        self.geometry: list[int] = []
+        self.joints = Joints([], 0, self.below)
         self.one_robot = True
-        self.after_empty = self.after_gap = False  # an empty line, or that or a comment, is above
-        self.held: list[tuple[int, list[str]]] = []  # notes, as long as no joint follows
         self.quoted: deque[tuple[int, str]] = deque()  # lines with quotes: lengths do not tell where their cells start
-        self.comments: set[int] = set()  # lines among the latest rows that are comments, and so no empty rows
 
     # --- The top ------------------------------------------------------------------------------------------------------
 
     def __iter__(self) -> Iterator[CellRow]:
-        """The rows down to the header.
+        """The rows down to the header, or down to where it may be where no line names two of a, alpha, d and theta.
 
-        The header is the first line that names two of a, alpha, d and theta; one in a comment, unless a header is below
-        it. Where no line does, it is the line that is most like one, so that a message can say what it lacks.
+        One in a comment is the header, too, unless a header is below it.
 
         Raises:
-            TableError: there is no header.
+            TableError: the header is too long.
         """
         self.lines = list(chain.from_iterable(islice(self.blocks, 2)))
-        above: list[_Line] = []
-        titles: list[_Line] = []
-        separator: str | None = None
+        titles: list[str] = []
+        header = separator = found = None
         for line in self._top_lines():
             if line.number == 1 and (match := re.fullmatch(_EXCEL_SEPARATOR, line.text)):
                 separator = match[1] if match[1] in DELIMITERS else None
                 continue
             text = (commented_header(line.text) or "") if line.comment else line.text
+            self.top[line.number] = line
             if len(text) > MAX_HEADER:
                 raise TableError(say("long-header", self._mark(line.number), length=len(text), most=MAX_HEADER))
-            found = separator or delimiter_of(text)
-            if found and is_header(row := self._cells(text, line.number, found)) and not self._is_explained(line):
-                yield from self._begin(line, row, found, above)
-                return
-            above.append(line)
-            titles += [] if line.comment else [line]
+            found = delimiter_of(text, separator)
+            if found and not (line.comment and self._is_explained(line)):
+                header = self.top[line.number] = line._replace(text=text)
+                break
+            titles += [] if line.comment else [text]
             if len(titles) > MAX_TITLES:
                 break
-        likely, found = self._likely(titles, separator)
-        row = self._cells(likely.text, likely.number, found)
-        yield from self._begin(likely, row, found, above[: above.index(likely)])
+        named = {sign: max((len(fields_in(text, sign)) for text in titles), default=0) for sign in DELIMITERS}
+        likely = max(DELIMITERS, key=lambda sign: (named[sign], max((text.count(sign) for text in titles), default=0)))
+        self.delimiter = (header and found) or separator or likely
+        for line in self.top.values():
+            if line.comment and line is not header:
+                texts = enumerate(as_typed(line.text, self.delimiter), line.number)
+                yield from (CellRow([text], self._mark(number)) for number, text in texts)
+            else:
+                yield self._cells(line.text, line.number)
 
     def _top_lines(self) -> Iterator[_Line]:
         """The lines that hold anything, each with those that a cell in quotes runs over."""
@@ -153,59 +154,27 @@ class CsvRows:
                 number += 1
             yield _Line(start, text, number, comment)
 
-    def _begin(self, line: _Line, row: CellRow, delimiter: str, above: Sequence[_Line]) -> Iterator[CellRow]:
-        """What is above the header, and the header."""
-        if not line.comment and _is_cut(line.text):
-            raise TableError(say("open-quote-in-header", self._mark(line.number), text=shown(line.text.strip())))
-        self.delimiter = delimiter
-        for each in above:
-            if each.comment:
-                texts = enumerate(as_typed(each.text, delimiter), each.number)
-                yield from (CellRow([text], self._mark(number)) for number, text in texts)
-            else:
-                yield self._cells(each.text, each.number, delimiter)
-        del self.lines[: line.end]
-        self.passed = line.end
-        yield row
-
     def _is_explained(self, comment: _Line) -> bool:
         """Whether a header is in a comment above the header itself, and only explains it: it names no link before."""
-        if not comment.comment or "1" in comment.text:
-            return False
-        below = self.lines[comment.end : comment.end + MAX_TITLES]
+        below = self.lines[comment.end : comment.end + MAX_TITLES] if "1" not in comment.text else ()
         line = next((line for line in below if line.strip(_EMPTY) and not is_comment(line, top=True)), "")
         return delimiter_of(line) is not None
-
-    def _likely(self, titles: Sequence[_Line], separator: str | None) -> tuple[_Line, str]:
-        """The line that is most like a header, and its delimiter.
-
-        Raises:
-            TableError: no line is like one.
-        """
-        if not titles:
-            raise TableError(say("nothing-in-the-file", Mark(file=self.file)))
-        line = max(titles, key=lambda title: max(len(fields_in(title.text, sign)) for sign in DELIMITERS))
-        named = {sign: len(fields_in(line.text, sign)) for sign in DELIMITERS}
-        found = separator or max(DELIMITERS, key=lambda sign: (named[sign], line.text.count(sign)))
-        if named[found] and found in line.text:
-            return line, found
-        text, advice = line.text.strip(_EMPTY), None
-        if ":" in text and text.partition(":")[0].strip().casefold() in STATEMENTS:
-            advice = f"write `# {text}`: what holds for all rows is in comment lines"
-        elif any(are_joints(split(line.text, sign)) for sign in DELIMITERS):
-            advice = TURN_ROUND
-        raise TableError(say("no-header", self._mark(line.number), field="columns", found=line.text, suggestion=advice))
 
     def complete(self, header: CellRow) -> CellRow:
         """The header with a row of units, or of names under shared titles, that follows it.
 
         Raises:
-            TableError: the row of units contradicts the header.
+            TableError: the row of units contradicts the header, or a quote in this is not closed.
         """
-        for count, line in enumerate(self.lines, start=1):
-            if line.strip(_EMPTY):
-                is_row = len(line) <= MAX_HEADER and not is_comment(line, top=True)
-                found = completed(header, self._cells(line, self.passed + count, self.delimiter)) if is_row else None
+        line = self.top[header.mark.line or 0]
+        if not line.comment and _is_cut(line.text):
+            raise TableError(say("open-quote-in-header", header.mark, text=shown(line.text.strip())))
+        del self.lines[: line.end]
+        self.passed = line.end
+        for count, text in enumerate(self.lines, start=1):
+            if text.strip(_EMPTY):
+                is_row = len(text) <= MAX_HEADER and not is_comment(text, top=True)
+                found = completed(header, self._cells(text, self.passed + count)) if is_row else None
                 if found:
                     del self.lines[:count]
                     self.passed += count
@@ -216,10 +185,9 @@ class CsvRows:
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come."""
-        self.header = columns.headers
-        self.width = len(columns.headers)
+        self.header, self.width = columns.headers, len(columns.headers)
         self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
-        self.geometry = [columns.fields.index(name) for name in REQUIRED]
+        self.joints = Joints([columns.fields.index(name) for name in REQUIRED], self.needed, self.below)
         self.one_robot = "robot" not in columns.fields
         columns.decimal_comma = self.delimiter != ","
         columns.quoted_commas = self.delimiter == ","
@@ -229,51 +197,53 @@ class CsvRows:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self._records():
             plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
-            if plain and not self.after_gap and not self.held and not _may_be_note(batch[-1]):
+            if plain and not self.joints.after_gap and not self.joints.held and not _may_be_note(batch[-1]):
                 yield lines, batch
-            else:
-                pairs = [pair for each in zip(lines, batch, strict=True) for pair in self._joints(*each)]
-                yield [line for line, _ in pairs], [cells for _, cells in pairs]
-        self.below += (Comment.of(joined(cells), self._mark(line)) for line, cells in self.held)
+                continue
+            rows = [CellRow(cells, self._mark(line)) for line, cells in zip(lines, batch, strict=True)]
+            kept = [each for row in rows for each in self._joints(row)]
+            yield [row.mark.line or 0 for row in kept], [list(map(text_in, row.cells)) for row in kept]
+        self.joints.finish()
 
-    def _joints(self, line: int, cells: list[str]) -> list[tuple[int, list[str]]]:
-        """What a line adds to the rows: itself with notes that a joint follows after all, or nothing."""
-        if not any(map(str.strip, cells)):
-            self.after_gap = True
-            self.after_empty = self.after_empty or line not in self.comments
+    def _joints(self, row: CellRow) -> list[CellRow]:
+        """What a line adds to the rows; refuses one that begins another table behind a gap."""
+        if row.cells == [SIGNS[0]]:
+            self.joints.after_gap = True
             return []
-        row = CellRow(cells, self._mark(line))
-        if self.after_gap and self.one_robot and starts_table(row):
+        if self.joints.after_gap and self.one_robot and starts_table(row):
             lines_of_table(self.path, None)
-        if is_note(row, self.geometry, self.needed, after_empty=self.after_empty):
-            self.held.append((line, cells))
-            return []
-        joints, self.held, self.after_empty, self.after_gap = [*self.held, (line, cells)], [], False, False
-        return joints
+        return self.joints.take(row)
 
     def _records(self) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
         """Batches of rows, and the line at which each row starts."""
-        blocks = self._blocks()
+        blocks, count = self._blocks(), 0
+
+        def joined_lines(lines: list[str]) -> Iterator[str]:  # and those of the next blocks, as far as a cell runs on
+            nonlocal count
+            yield from lines
+            for _, more, _ in blocks:
+                count += len(more)
+                yield from more
+
         for start, lines, has_quotes in blocks:
             if not has_quotes and max(map(len, lines), default=0) < csv.field_size_limit():
                 # Without quotes `csv.reader` does the same, in twice the time.
                 yield range(start, start + len(lines)), [line.split(self.delimiter) if line else [] for line in lines]
-            else:
-                source = _Joined(lines, blocks)
-                reader = csv.reader(source, delimiter=self.delimiter, strict=True)
-                starts: list[int] = []
-                batch: list[list[str]] = []
-                try:
-                    while reader.line_num < source.count:
-                        starts.append(start + reader.line_num)
-                        batch.append(self._unguarded(next(reader), starts[-1]))
-                except csv.Error as error:
-                    raise TableError(self._wrong_cell(str(error), starts[-1])) from None
-                yield starts, batch
-            self.comments.clear()
+                continue
+            count = len(lines)
+            reader = csv.reader(joined_lines(lines), delimiter=self.delimiter, strict=True)
+            starts: list[int] = []
+            batch: list[list[str]] = []
+            try:
+                while reader.line_num < count:
+                    starts.append(start + reader.line_num)
+                    batch.append(self._unguarded(next(reader), starts[-1]))
+            except csv.Error as error:
+                raise TableError(self._wrong_cell(str(error), starts[-1])) from None
+            yield starts, batch
 
     def _blocks(self) -> Iterator[tuple[int, list[str], bool]]:
-        """Blocks of lines, comments made empty: the number of the first line, and whether any has quotes."""
+        """Blocks of lines, of comments the sign alone: the number of the first line, and whether any has quotes."""
         for block in chain((self.lines,), self.blocks):
             start = self.passed + 1
             self.passed += len(block)
@@ -285,18 +255,16 @@ class CsvRows:
                 block = [f"{line}\n" for line in block]  # noqa: PLW2901 - a cell in quotes keeps the end of the line
             if any(sign[0] in text and sign in text for sign in SIGNS):
                 block = [  # noqa: PLW2901 - the same lines
-                    "" if is_comment(line) and self._passes_over(line, start + k) else line
-                    for k, line in enumerate(block)
+                    self._passed_over(line, start + k) if is_comment(line) else line for k, line in enumerate(block)
                 ]
             yield start, block, has_quotes
 
-    def _passes_over(self, line: str, number: int) -> bool:
-        """Passes over a comment below the header.
+    def _passed_over(self, line: str, number: int) -> str:
+        """What stands for a comment below the header.
 
         Raises:
             TableError: it declares something, which would not hold for the rows above.
         """
-        self.comments.add(number)
         for text in as_typed(line, self.delimiter):
             try:
                 comment = comment_below(text, self._mark(number))
@@ -306,13 +274,12 @@ class CsvRows:
                 raise
             if "=" in comment.line and len(self.below) < MAX_BELOW:
                 self.below.append(comment)
-        return True
+        return SIGNS[0]
 
     def _unguarded(self, cells: list[str], line: int) -> list[str]:
-        """Cells as they were before a spreadsheet kept them; none where they are a comment that it made cells of."""
-        if cells and marks_a_comment(cells[0]) and not fills_row(cells, self.geometry):
-            self._passes_over(joined(cells, decimal_comma=self.delimiter != ","), line)
-            return []
+        """Cells as they were before a spreadsheet kept them; those that it made of a comment become one."""
+        if cells and marks_a_comment(cells[0]) and not fills_row(cells, self.joints.geometry):
+            return [self._passed_over(joined(cells, decimal_comma=self.delimiter != ","), line)]
         return [cell[1:] if _GUARDED.match(cell) else cell for cell in cells]
 
     def _wrong_cell(self, error: str, line: int) -> Problem:
@@ -330,22 +297,23 @@ class CsvRows:
     def _mark(self, number: int) -> Mark:
         return Mark(file=self.file, line=number)
 
-    def _cells(self, line: str, number: int, delimiter: str) -> CellRow:
+    def _cells(self, line: str, number: int) -> CellRow:
         """The cells of a line above the rows."""
-        cells, starts = split(line, delimiter), _starts_of(line, delimiter)
+        cells, starts = split(line, self.delimiter), _starts_of(line, self.delimiter)
         places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
         return CellRow(cells, self._mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
 
-    def row_places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
+    def places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
         """The lines of rows."""
         return keys
 
-    def row_marks(self, keys: Iterable[int]) -> Iterable[Mark]:
-        """The lines of rows, with the file."""
-        return map(self._mark, keys)
+    def mark(self, key: int) -> Mark:
+        """The line of a row, with the file."""
+        return self._mark(key)
 
-    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:
-        """Where the cells of a row start."""
+    def row(self, key: int, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
+        """A row with the places at which its cells start, and what is wrong with it."""
+        texts = list(map(text_of, cells))
         while self.quoted and self.quoted[0][0] < key:
             self.quoted.popleft()
         if self.quoted and self.quoted[0][0] == key:
@@ -354,15 +322,15 @@ class CsvRows:
         else:
             ends = accumulate(len(cell) + 1 for cell in texts)
             starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, texts, strict=True)]
-        return [Mark(file=self.file, line=key, column=start) for start in starts]
+        row = CellRow(texts, self._mark(key), [Mark(file=self.file, line=key, column=start) for start in starts])
+        return row, self._problems(row, texts, number)
 
-    def row_problems(self, key: int, texts: Sequence[str], number: int) -> Iterator[Problem]:
+    def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
         """What is wrong with a row that is another header, or has other cells than the header has columns.
 
         Raises:
             TableError: it begins another table, and no option has the number of the one that is meant.
         """
-        row = CellRow(texts, self._mark(key))
         if headers_in(row) != self.header and (problem := other_header(row, number)):
             if self.one_robot and starts_table(row):
                 lines_of_table(self.path, None)
@@ -371,38 +339,11 @@ class CsvRows:
         more = next((text for text in texts[self.width :] if text.strip()), None)
         if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
             return
-        advice = None
-        if self.delimiter == "," and len(texts) > self.width:
-            advice = "is there a decimal comma in it, or a comma in a text without quotes?"
-        yield say(
-            "ragged-row",
-            row.mark,
-            joint=f"joint_{number}",
-            suggestion=advice,
-            number=number,
-            cells=len(texts),
-            columns=self.width,
-            sign=DELIMITERS[self.delimiter],
-        )
-
-
-class _Joined:
-    """The lines of a block with quotes, and those of the next ones as far as a cell in quotes runs on into them.
-
-    Attributes:
-        count: lines of the blocks that were begun.
-    """
-
-    def __init__(self, lines: list[str], blocks: Iterator[tuple[int, list[str], bool]]) -> None:
-        self.count = len(lines)
-        self.lines = lines
-        self.blocks = blocks
-
-    def __iter__(self) -> Iterator[str]:
-        yield from self.lines
-        for _, lines, _ in self.blocks:
-            self.count += len(lines)
-            yield from lines
+        has_more = self.delimiter == "," and len(texts) > self.width
+        advice = "is there a decimal comma in it, or a comma in a text without quotes?" if has_more else None
+        joint, count, sign = f"joint_{number}", len(texts), DELIMITERS[self.delimiter]
+        about: dict[str, Any] = {"number": number, "cells": count, "columns": self.width, "sign": sign}
+        yield say("ragged-row", row.mark, joint=joint, suggestion=advice, **about)
 
 
 def lines_of_table(path: Path, number: int | None) -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.documents import Node, decoded, read_bytes, stream_yaml
@@ -56,7 +56,7 @@ _OTHERS = (
     ("franka-kinematics", "a kinematics.yaml of Franka's ROS package", "joint1", "kinematic"),
     *(("screws", "a file of screw axes", key, other) for key, other in (("Slist", ""), ("Blist", ""), ("H", "P"))),
 )
-"""Readers of other YAML files: what they read, and a key, perhaps with another one beside it or in it, that shows it."""
+"""Readers of other YAML files: what they read, and a key that shows it, perhaps with another one beside it or in it."""
 _COMMENT = r"#+(?!>)\s*(.*)"
 _SENTENCE = r"#+(?!>)\s*(?![\w .-]{1,40}:)(.*)"
 """A comment of YAML, and no key that somebody took out by making it one; a program has no other way to declare one."""
@@ -284,7 +284,7 @@ class Document:
                 found[f"{column} {key}" if column in found else column] = value
         return found
 
-    def _values(self, mapping: Node, key: str, node: Node) -> dict[str, _Value]:
+    def _values(self, mapping: Node, key: str, node: Node) -> dict[str, _Value]:  # noqa: PLR0911 - forms of values
         """What a key of a joint says, by column: several where the value is of several fields."""
         header, place = read_header(key), mapping.key_mark(key)
         field, is_nested = header.field, isinstance(node.value, dict | list)
@@ -303,7 +303,7 @@ class Document:
             return {}
         if field is None:
             return {key: _Value(key, place, _text(node), node.mark)}
-        if field.name == "flip" and (turned := flip_of(_text(node))) is not None:  # so that it and `sign` are one column
+        if field.name == "flip" and (turned := flip_of(_text(node))) is not None:  # one column with `sign`
             return {"sign": _Value("sign", place, "-1" if turned else "1", node.mark)}
         cell = _cell(node, field.name, "a text" if field.dimension is None else _NUMBER)
         if isinstance(node.value, bool) and field.dimension is not None:

@@ -180,7 +180,7 @@ class _ParquetRows:
             return header
         found = {name: first.column(name).to_pylist()[0] for name in names}
         cells = [None if (cell := found.get(field.name)) is None or cell != cell else cell for field in self.fields]  # noqa: PLR0124 - not a number
-        joined = completed(header, CellRow(cells, mark, self.marks(1, ())))
+        joined = completed(header, self.row(1, ())[0]._replace(cells=cells))
         self.skipped = joined is not None
         return joined or header
 
@@ -231,24 +231,19 @@ class _ParquetRows:
                 yield range(start, start + len(part)), part
                 start += len(part)
 
-    def row_places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
+    def places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
         """The numbers of rows."""
         return ((key, None, f"row {key}") for key in keys)
 
-    def row_marks(self, keys: Iterable[int]) -> Iterator[Mark]:
-        """The same, with the file."""
-        return (Mark(file=self.path, line=key, place=f"row {key}") for key in keys)
+    def mark(self, key: int) -> Mark:
+        """The number of a row, with the file."""
+        return Mark(file=self.path, line=key, place=f"row {key}")
 
-    def marks(self, key: int, texts: Sequence[str]) -> list[Mark]:  # noqa: ARG002 - as of each source
-        """The place of each cell of a row."""
-        return [
-            Mark(file=self.path, line=key, column=index, place=f"row {key}, column {field.name}")
-            for index, field in enumerate(self.fields, start=1)
-        ]
-
-    def row_problems(self, key: int, texts: Sequence[str], number: int) -> tuple[()]:  # noqa: ARG002 - as of each source
-        """Nothing: every row has a cell in every column."""
-        return ()
+    def row(self, key: int, cells: Row, number: int = 0) -> tuple[CellRow, tuple[()]]:  # noqa: ARG002 - as of each source
+        """A row with the place of each cell; every row has a cell in every column."""
+        places = enumerate((f"row {key}, column {field.name}" for field in self.fields), start=1)
+        marks = [Mark(file=self.path, line=key, column=index, place=place) for index, place in places]
+        return CellRow(cells, self.mark(key), marks), ()
 
 
 @contextmanager

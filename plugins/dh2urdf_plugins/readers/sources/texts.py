@@ -120,11 +120,12 @@ def without_name(text: str) -> str:
     return text
 
 
-def delimiter_of(line: str) -> str | None:
-    """The delimiter that makes a header of a line; None where none does."""
+def delimiter_of(line: str, separator: str | None = None) -> str | None:
+    """The delimiter that makes a header of a line, of all or of a given one; None where none does."""
     if len(line) > MAX_HEADER:
         return None
-    found = [sign for sign in DELIMITERS if sign in line and is_header(CellRow(split(line, sign), Mark(file="")))]
+    signs = [sign for sign in (separator or DELIMITERS) if sign in line]
+    found = [sign for sign in signs if is_header(CellRow(split(line, sign), Mark(file="")))]
     return max(found, key=lambda sign: len(fields_in(line, sign)), default=None)
 
 

@@ -98,20 +98,14 @@ class CellRows:
             TableError: a comment among them declares what would not hold for the rows above.
         """
         geometry = [index for index, field in enumerate(self.fields) if field in REQUIRED]
-        held: list[CellRow] = []  # notes, as long as no joint follows
-        after_empty = False
+        joints = Joints(geometry, len(self.fields), self.below)
         for row in self.rows:
-            first = next((text for text in map(text_in, row.cells) if text.strip(SPACES)), None)
-            if first is None:
-                after_empty = True
-            elif is_comment(first):
+            first = next((text for text in map(text_in, row.cells) if text.strip(SPACES)), "")
+            if is_comment(first):
                 self.below.append(comment_below(comment_text(row), row.mark))
-            elif is_note(row, geometry, len(self.fields), after_empty=after_empty):
-                held.append(row)
             else:
-                yield from (*held, row)
-                held, after_empty = [], False
-        self.below += (Comment.of(comment_text(row), row.mark) for row in held)
+                yield from joints.take(row)
+        joints.finish()
 
     def _values(self, row: CellRow) -> list[Value]:
         """The cells of a row, one for each column; numbers of quantities are numbers, and problems are never plain."""
@@ -135,26 +129,26 @@ class CellRows:
             return False
         return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
 
-    def row_places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
+    def places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
         """The places of rows."""
         return ((row.mark.line, row.mark.column, row.mark.place) for row in keys)
 
-    def row_marks(self, keys: Iterable[CellRow]) -> Iterator[Mark]:
-        """The same, with the file."""
-        return (row.mark for row in keys)
+    def mark(self, key: CellRow) -> Mark:
+        """The place of a row, with the file."""
+        return key.mark
 
-    def marks(self, key: CellRow, texts: Sequence[object]) -> Sequence[Mark]:
-        """The place of each cell of a row."""
-        marks = list(key.marks or ())
-        return marks + [key.mark] * (len(texts) - len(marks))
+    def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
+        """A row with the place of each cell, and what is wrong with it."""
+        marks = [*(key.marks or ()), *[key.mark] * (len(cells) - len(key.marks or ()))]
+        return key._replace(marks=marks), self._problems(key, marks, number)
 
-    def row_problems(self, key: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What the container declares about the row's cells, and of numbers behind the last column of the header."""
-        if self.prose and (problem := other_header(key, number)):
+    def _problems(self, row: CellRow, marks: Sequence[Mark], number: int) -> Iterator[Problem]:
+        """What the container declares about the row's cells, and numbers behind the last column of the header."""
+        if self.prose and (problem := other_header(row, number)):
             yield problem
             return
-        joint, marks = f"joint_{number}", self.marks(key, texts)
-        for index, cell in enumerate(key.cells):
+        joint = f"joint_{number}"
+        for index, cell in enumerate(row.cells):
             field = self.fields[index] if index < len(self.fields) else None
             if isinstance(cell, Problem) and field:
                 yield replace(cell, joint=joint, field=field, mark=cell.mark or marks[index])
@@ -163,6 +157,41 @@ class CellRows:
 
 
 # --- Rows that are no joints ------------------------------------------------------------------------------------------
+
+
+class Joints:
+    """Takes the joints out of rows, among which are empty ones, and notes below the last joint.
+
+    Args:
+        geometry: the columns of a, alpha and d.
+        width: how many columns the table has.
+        below: takes the comments and the notes.
+
+    Attributes:
+        held: notes, as long as no joint follows.
+        after_empty: whether an empty row is above.
+        after_gap: whether that is, or a comment.
+    """
+
+    def __init__(self, geometry: list[int], width: int, below: list[Comment]) -> None:
+        self.geometry, self.width, self.below = geometry, width, below
+        self.held: list[CellRow] = []
+        self.after_empty = self.after_gap = False
+
+    def take(self, row: CellRow) -> list[CellRow]:
+        """What a row adds to the joints: itself with notes that a joint follows after all, or nothing."""
+        if not any(text_in(cell).strip(SPACES) for cell in row.cells):
+            self.after_empty = self.after_gap = True
+            return []
+        if is_note(row, self.geometry, self.width, after_empty=self.after_empty):
+            self.held.append(row)
+            return []
+        joints, self.held, self.after_empty, self.after_gap = [*self.held, row], [], False, False
+        return joints
+
+    def finish(self) -> None:
+        """Takes the rows that are held for notes."""
+        self.below += (Comment.of(comment_text(row), row.mark) for row in self.held)
 
 
 def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: bool) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import chain, groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import TableError
@@ -231,8 +231,8 @@ class RowTable:
         if not cells or (read := self.plain.read(cells, sizes)) is None or (statements := self._agreed(cells)) is None:
             return None
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
-        names, marks = [rows.name for rows in groups], list(self.source.row_marks(rows.keys[0] for rows in groups))
-        lines = [tuple(self.source.row_places(rows.keys)) for rows in groups]
+        names, marks = [rows.name for rows in groups], [self.source.mark(rows.keys[0]) for rows in groups]
+        lines = [tuple(self.source.places(rows.keys)) for rows in groups]
         alike = [
             (
                 tuple(members),
@@ -276,10 +276,10 @@ class RowTable:
         for notice in self.notices:
             reader.add(notice)
         self.notices = []  # messages about the file go with the first manipulator, once
-        mark = self._mark(rows.keys[0]) if rows.keys and not self.one else self.whole
+        mark = self.source.mark(rows.keys[0]) if rows.keys and not self.one else self.whole
         name = self.name
         if self.robot_column is not None and rows.keys:
-            marks = self.source.marks(rows.keys[0], list(map(text_of, rows.cells[0])))
+            marks = self.source.row(rows.keys[0], rows.cells[0], 1)[0].marks or [mark]
             name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
         if rows.count > MAX_JOINTS:
             too_many = too_many_joints(rows.count, mark).about(robot=rows.name)
@@ -300,15 +300,16 @@ class RowTable:
         """The rows, None for each in which there is an error; and what they declare about the convention."""
         found: list[tuple[dict[str, Cell] | None, Mark]] = []
         for key, row in zip(rows.keys, rows.cells, strict=True):
-            mark, texts, number = self._mark(key), list(map(text_of, row)), len(found) + 1
+            mark, texts, number = self.source.mark(key), list(map(text_of, row)), len(found) + 1
             if problem := no_joint(texts, self.columns, mark, number):
                 reader.add(problem)
                 continue
             cells = None
-            if problems := list(self.source.row_problems(key, texts, number)):
+            placed, wrong = self.source.row(key, row, number)
+            if problems := list(wrong):
                 for problem in problems:
                     reader.add(problem)
-            elif cells := cell_reader.read(row, self.source.marks(key, texts), number):
+            elif cells := cell_reader.read(row, placed.marks or [], number):
                 if self.one:  # what a record does not have is not empty
                     cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark is not mark}
                 if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
@@ -330,10 +331,6 @@ class RowTable:
             if _is_enough(reader):
                 break
         return read
-
-    def _mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of the source's own
-        (mark,) = self.source.row_marks([key])
-        return mark
 
 
 def _is_enough(reader: RowReader) -> bool:

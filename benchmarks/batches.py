@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     from measuring import Turn
 
-    from dh2urdf.tasks.result import Result
+    from dh2urdf.tasks.batch_report import Result
 
 Files: TypeAlias = list[tuple[str, bytes]]
 """Names and contents."""

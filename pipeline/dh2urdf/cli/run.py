@@ -40,8 +40,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import LoadEntry, ManipulatorEntry, ProofEntry, RunReport
     from dh2urdf.running.run import Note
     from dh2urdf.source import Problem
-    from dh2urdf.tasks.batch_report import BatchReport
-    from dh2urdf.tasks.result import Result
+    from dh2urdf.tasks.batch_report import BatchReport, Result
 
 say = Messages(__file__)
 

@@ -130,26 +130,21 @@ def kind_of(error: Exception) -> str:
     return " ".join(words).lower()
 
 
-def as_written(row: ManifestRow) -> tuple[ManifestRow, bytes]:
-    """Return a row and its line of JSON, texts spelled out in both as the line has them."""
-    try:
-        return row, orjson.dumps(row, option=_LINE)
-    except orjson.JSONEncodeError:
-        row = _in_utf_8(row)
-        return row, orjson.dumps(row, option=_LINE)
-
-
 def to_line(data: Any) -> bytes:  # noqa: ANN401 - plain data
     """Return plain data as one line of JSON."""
-    return as_written(data)[1]
+    return _encoded(data, _LINE)
 
 
 def to_text(data: Any) -> bytes:  # noqa: ANN401 - plain data
     """Return plain data as indented JSON with a newline at its end."""
+    return _encoded(data, _LINE | orjson.OPT_INDENT_2)
+
+
+def _encoded(data: Any, option: int) -> bytes:  # noqa: ANN401 - plain data
     try:
-        return orjson.dumps(data, option=_LINE | orjson.OPT_INDENT_2)
+        return orjson.dumps(data, option=option)
     except orjson.JSONEncodeError:
-        return orjson.dumps(_in_utf_8(data), option=_LINE | orjson.OPT_INDENT_2)
+        return orjson.dumps(_in_utf_8(data), option=option)
 
 
 def _in_utf_8(value: Any) -> Any:  # noqa: ANN401 - plain data

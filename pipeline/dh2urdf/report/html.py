@@ -43,29 +43,25 @@ if TYPE_CHECKING:
     from dh2urdf.report.manifest import FirstManipulators, ManifestWriter
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import ManipulatorEntry
+    from dh2urdf.run_file.plan import Plan
 
 LARGEST_PICTURE = 4_000_000
 """Pictures beyond are left out of the page [B]."""
 _LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
-def page(
-    manifest: ManifestWriter, manipulators: FirstManipulators, recipe: Recipe, store: Store, layout: Layout
-) -> bytes:
+def page(manifest: ManifestWriter, overview: Overview, manipulators: FirstManipulators, plan: Plan) -> bytes:
     """The page of a run.
 
     Args:
-        manifest: what was gathered from the rows of its manifest, an overview among it.
+        manifest: its manifest, and what was gathered from it.
+        overview: what else was gathered from it.
         manipulators: what the run's first manipulators are made of.
-        recipe: what was done with every manipulator.
-        store: where the pictures of the simulators are.
-        layout: under which names the files lie.
+        plan: what was done.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    overview = manifest.overview
-    if overview is None:
-        raise ValueError("no overview was gathered")
+    recipe = plan.recipe
     templates = PackageLoader("dh2urdf.report")
     environment = Environment(
         loader=templates,
@@ -92,6 +88,7 @@ def page(
     text = environment.get_template("page.html").render(
         version=__version__,
         overview=overview,
+        failures_by_kind=manifest.index.as_json()["failures"],
         most_drawn=MOST_DRAWN,
         coverage=manifest.verdicts.coverage,
         covered=covered,
@@ -104,7 +101,7 @@ def page(
         recipe=recipe,
         checks=checks,
         figures=_figures,
-        pictures=lambda detailed: list(_pictures(detailed, store, layout)),
+        pictures=lambda detailed: list(_pictures(detailed, plan.store, plan.layout)),
         distributions=_distributions(overview),
         style=Markup(style),  # noqa: S704 - the project's own
         script=Markup(script),  # noqa: S704

@@ -1,8 +1,8 @@
 """The files about a run: its manifest, its report, the index of its failures, the manifest as a table, its durations.
 
 All that a run found is in its manifest, and no duration: a repeated run writes the same bytes. Durations are in
-`timing.json`. Everything is gathered in the process of the run while its workers work: the rows of the manifest, and
-the tables of the first manipulators as their batches go to the workers.
+`timing.json`. The other files are made of the rows of the manifest once it is complete, read one by one, and of the
+tables of the first manipulators, which are kept as their batches go to the workers.
 """
 
 from __future__ import annotations
@@ -22,15 +22,16 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.tasks.failure_index import FailureIndex
+from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dh2urdf.output.store import Store
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import ArmAxes, AxesEntry, OpwEntry, Reproduction, RunReport
     from dh2urdf.tasks.batch import Batch, Single
-    from dh2urdf.tasks.batch_report import BatchReport
-    from dh2urdf.tasks.manifest_table import ManifestTable
-    from dh2urdf.tasks.result import Result
+    from dh2urdf.tasks.batch_report import BatchReport, Result
 
 SCHEMA: Final = "dh2urdf-report/1"
 """Name and version of the form of `report.json`."""
@@ -67,8 +68,6 @@ class ManifestWriter:
         verdicts: what simulators say.
         index: what failed, and why.
         axes: what the axes of the tables of its first manipulators declare; none of a table that could not be read.
-        table: the manifest as a table, where there will be one.
-        overview: what the page for people says, where there will be one.
     """
 
     def __init__(self, rows: BinaryIO, place: str, told: Reproduction, verdicts: Verdicts | None = None) -> None:
@@ -76,8 +75,6 @@ class ManifestWriter:
         self.verdicts = verdicts or Verdicts({})
         self.index = FailureIndex()
         self.axes: list[ArmAxes] = []
-        self.table: ManifestTable | None = None
-        self.overview: Overview | None = None
         self._place = place
         self._axes_left = REPORTED
 
@@ -89,15 +86,6 @@ class ManifestWriter:
         """
         with reporting_os_errors(self._place):
             write_all(self.rows.fileno(), report.rows)
-        self.index.add_ok(report.count - len(report.told))
-        for row in report.told:
-            self.index.add(row)
-            self.verdicts.add(row)
-            if self.overview:
-                self.overview.add(row)
-        if self.table and report.table:
-            with reporting_os_errors(self.table.place):
-                self.table.add(report.table)
 
     def see(self, batch: Batch) -> None:
         """Note the axes of a batch's tables; batches come in the order of the run."""
@@ -173,8 +161,17 @@ def run_report(manifest: ManifestWriter, result: Result) -> RunReport:
     }
 
 
-def write_reports(store: Store, manifest: ManifestWriter, result: Result) -> RunReport:
-    """Write `index.json`, `report.json` and, where the manifest has one, `manifest.parquet`.
+def write_reports(
+    store: Store, manifest: ManifestWriter, result: Result, table: Path | None, overview: Overview | None = None
+) -> RunReport:
+    """Write `index.json`, `report.json` and, where pyarrow is installed, `manifest.parquet`.
+
+    Args:
+        store: where they go.
+        manifest: the manifest, with all of its rows.
+        result: what became of the run.
+        table: a name for the temporary file of the table.
+        overview: gathers what the page for people says, where there will be one.
 
     Returns:
         The report as plain data.
@@ -182,13 +179,18 @@ def write_reports(store: Store, manifest: ManifestWriter, result: Result) -> Run
     Raises:
         OutputError: they cannot be written.
     """
+    columns = ManifestTable() if table and can_write_parquet() else None
+    manifest.rows.seek(0)
+    for row in map(orjson.loads, manifest.rows):
+        for each in filter(None, (manifest.index, manifest.verdicts, overview, columns)):
+            each.add(row)
     store.write(INDEX, to_text(manifest.index.as_json()))
     report = run_report(manifest, result)
     store.write(REPORT, to_text(report))
-    if manifest.table:
-        with reporting_os_errors(manifest.table.place):
-            manifest.table.finish(manifest.rows)
-        store.put(TABLE, manifest.table.path)
+    if columns and table:
+        with reporting_os_errors(f"{store}/{TABLE}"):
+            columns.write(table, manifest.rows)
+        store.put(TABLE, table)
     else:
         store.remove(TABLE)  # An older one would describe another run.
     return report

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.results import ManipulatorEntry
-    from dh2urdf.tasks.failure_index import FailureIndex
     from dh2urdf.variations.laws import DrawnValue
 
 LISTED = 1000
@@ -103,7 +102,6 @@ class Overview:
 
     Args:
         most: how many of the first rows to keep.
-        index: what failed and why; it gets the same rows.
 
     Attributes:
         count: how many manipulators there are.
@@ -116,8 +114,7 @@ class Overview:
         remarks: notices and findings.
     """
 
-    def __init__(self, most: int, index: FailureIndex) -> None:
-        self.index = index
+    def __init__(self, most: int) -> None:
         self.count = self.files = self.size = self.remarks = 0
         self.statuses: Counter[str] = Counter()
         self.first: list[ManipulatorEntry] = []

@@ -27,7 +27,7 @@ from dh2urdf.conversion.one_manipulator import (
     with_copies,
     with_notices,
 )
-from dh2urdf.conversion.outcome import Outcome, as_written, kind_of, to_line
+from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
 from dh2urdf.conversion.robots import make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_of
 from dh2urdf.elementwise import DividedError
@@ -49,7 +49,6 @@ from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transfo
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Single, variants_from
 from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.manifest_table import table_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -90,8 +89,6 @@ class BatchWorker:
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
-        has_table: whether the run makes a table of its manifest.
-        has_page: whether it makes a page of it.
         children: the children of loaders that are kept, of the process that this is in.
     """
 
@@ -103,8 +100,6 @@ class BatchWorker:
     journal: str
     home: str
     effect: Depth = Depth.MAKE
-    has_table: bool = False
-    has_page: bool = False
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
     @property
@@ -226,51 +221,40 @@ class Work:
         kept = self.kept()
         ready = self._side_by_side({place for place in range(len(self.batch)) if place not in kept})
         report = BatchReport(first=self.batch.first, seconds=self.seconds)
-        made = [
-            pair
-            for places in self.worker.layout.parts(len(self.batch))
-            for pair in self._part(places, kept, ready, report)
-        ]
-        rows = [row for row, _ in made]
-        tells = self.recipe.loaders or self.worker.has_page
-        return replace(
-            report,
-            rows=b"".join([line for _, line in made]),
-            told=[row for row in rows if tells or row["status"] != "ok"],
-            table=table_rows(rows) if self.worker.has_table else None,
-        )
+        parts = self.worker.layout.parts(len(self.batch))
+        lines = [line for places in parts for line in self._part(places, kept, ready, report)]
+        return replace(report, rows=b"".join(lines))
 
     def _part(
         self, places: range, kept: dict[int, tuple[ManifestRow, bytes]], ready: dict[int, Outcome], report: BatchReport
-    ) -> list[tuple[ManifestRow, bytes]]:
-        """Put the files of a shard in their place, or of all where there are none; the rows of the manifest."""
+    ) -> list[bytes]:
+        """Put the files of a shard in their place, or of all where there are none; the lines of the manifest."""
         makes, is_whole = self.worker.effect is Depth.MAKE, self.worker.layout.is_whole
         first = self.batch.first + places.start
         journal = Journal(self.worker.reports, f"{self.worker.journal}/{first:09d}.jsonl")
         old = [kept[place][0] for place in places if place in kept]
         changes = len(old) < len(places) or (is_whole and not self.earlier.are_all(first, old))
-        made: list[tuple[ManifestRow, bytes]] = []
+        made: list[bytes] = []
         with self.worker.layout.place(self.worker.store, first) if changes and makes else nullcontext() as target:
             for place in places:
                 alone = place not in kept and place not in ready
                 if place in kept:
-                    report.keep()
+                    report.statuses["kept"] += 1
                     row, line = kept[place]
                     if target is not None and is_whole:
-                        row = self.earlier.moved(self.batch.first + place, row, target)
-                        line = to_line(row)
+                        line = to_line(self.earlier.moved(self.batch.first + place, row, target))
                 else:
                     outcome = self._one(place) if alone else ready.pop(place)
                     if self.recipe.loaders and makes:
                         sampled = self.batch.first + place in self.recipe.sample
                         outcome = replace(outcome, not_loaded=not_loaded(self.recipe, outcome, is_sampled=sampled))
-                    row, line = as_written(outcome.row(*self._put(place, outcome, target)))
+                    line = to_line(outcome.row(*self._put(place, outcome, target)))
                     report.note(outcome)
-                made.append((row, line))
+                made.append(line)
                 if makes and not is_whole:
                     journal.add(line, now=alone)
         if makes:
-            for _, line in made if is_whole else ():
+            for line in made if is_whole else ():
                 journal.add(line)
             journal.close()
         return made

@@ -42,10 +42,8 @@ from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items
 from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, batches
-from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.batch_report import BatchReport, Result
 from dh2urdf.tasks.expected import Expected
-from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
-from dh2urdf.tasks.result import Result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
@@ -148,22 +146,20 @@ def execute(
         first_manipulators = FirstManipulators()
         with path.open("w+b") as rows:
             manifest = ManifestWriter(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
-            if can_write_parquet():
-                manifest.table = ManifestTable(folder / TABLE, f"{reports}/{TABLE}")
-            if plan.html and can_write_html():
-                from dh2urdf.report.overview import Overview
-
-                manifest.overview = Overview(FULL, manifest.index)
             try:
                 _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, first_manipulators)
             except TableError:  # There is nothing to go on with.
                 reports.remove_tree(journal if resume else JOURNAL)
                 raise
-            report = write_reports(reports, manifest, result)
-            if manifest.overview:
+            overview = None
+            if plan.html and can_write_html():
                 from dh2urdf.report.html import page
+                from dh2urdf.report.overview import Overview
 
-                reports.write(PAGE, page(manifest, first_manipulators, plan.recipe, store, plan.layout))
+                overview = Overview(FULL)
+            report = write_reports(reports, manifest, result, folder / TABLE, overview)
+            if overview:
+                reports.write(PAGE, page(manifest, overview, first_manipulators, plan))
             else:
                 reports.remove(PAGE)  # An older one would describe another run.
             # While the old manifest is there, as what is removed is known from it alone.
@@ -207,8 +203,6 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
         journal=journal,
         home=this_process(),
         effect=effect,
-        has_table=manifest.table is not None,
-        has_page=manifest.overview is not None,
     )
     under_way: deque[Batch] = deque()
     expected = Expected(plan)
@@ -233,7 +227,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b"", told=[], table=None))
+            unread.append(replace(report, rows=b""))
             if readable:
                 for each in unread:
                     if note:

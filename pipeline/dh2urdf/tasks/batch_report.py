@@ -1,15 +1,17 @@
-"""What became of a batch, as its worker tells it: its part of the manifest, and what a person should know at once."""
+"""What became of a batch, as its worker tells it, and of a whole run: counts, durations, and what to tell at once."""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from dh2urdf.conversion.outcome import ManifestRow, Outcome
 from dh2urdf.errors import SCREENFUL
+from dh2urdf.output.leftovers import Leftovers
 from dh2urdf.source import Problem, in_file_order
-from dh2urdf.tasks.manifest_table import TableRows
+
+if TYPE_CHECKING:
+    from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
@@ -22,8 +24,6 @@ class BatchReport:
     Attributes:
         first: number of its first manipulator in the run.
         rows: its part of the manifest, a line of JSON for each.
-        told: its rows as data: those of failures, or all, where there are loaders or a page is made of them.
-        table: what a table of the manifest has of its part; None where there is no table.
         statuses: how many are ok, kept from an earlier run, failed or skipped.
         kinds: how many failed, by kind.
         problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
@@ -39,8 +39,6 @@ class BatchReport:
     rows: bytes = b""
     statuses: Counter[str] = field(default_factory=Counter)
     kinds: Counter[str] = field(default_factory=Counter)
-    told: list[ManifestRow] = field(default_factory=list)
-    table: TableRows | None = None
     problems: list[Problem] = field(default_factory=list)
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: list[str] = field(default_factory=list)
@@ -84,10 +82,6 @@ class BatchReport:
             if self.severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):
                 self.problems.append(problem)
 
-    def keep(self) -> None:
-        """Takes a manipulator that is kept from an earlier run."""
-        self.statuses["kept"] += 1
-
 
 def is_new(problem: Problem, said: set[Problem]) -> bool:
     """Whether a message is still to be reported; a notice without a place is the same for all manipulators of a run.
@@ -102,3 +96,41 @@ def is_new(problem: Problem, said: set[Problem]) -> bool:
     is_known = words in said
     said.add(words)
     return not is_known
+
+
+class Result:
+    """What became of a run, so far.
+
+    Attributes:
+        statuses: how many manipulators are ok, kept from an earlier run, failed or skipped.
+        kinds: how many failed, by kind.
+        seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
+        timings: how long the steps of the first manipulators took [s].
+        keeps_kinematics: whether the transform keeps T(q).
+        leftovers: what became of files of the last run that this one has no part in.
+    """
+
+    def __init__(self, *, keeps_kinematics: bool = True) -> None:
+        self.statuses: Counter[str] = Counter()
+        self.kinds: Counter[str] = Counter()
+        self.seconds: Counter[str] = Counter()
+        self.timings: list[dict[str, Any]] = []
+        self.keeps_kinematics = keeps_kinematics
+        self.leftovers = Leftovers()
+
+    @property
+    def made(self) -> int:
+        """How many manipulators were worked at."""
+        return sum(self.statuses.values()) - self.statuses["kept"]
+
+    @property
+    def exit_status(self) -> Literal[0, 1]:
+        """0 where all is done, 1 where a manipulator failed."""
+        return 1 if self.statuses["failed"] else 0
+
+    def add(self, report: BatchReport) -> None:
+        """Take what became of a batch."""
+        self.statuses += report.statuses
+        self.kinds += report.kinds
+        self.seconds.update(report.seconds)
+        self.timings += report.timings

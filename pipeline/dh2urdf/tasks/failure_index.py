@@ -39,10 +39,6 @@ class FailureIndex:
         self._statuses: Counter[str] = Counter()
         self._failures: dict[str, _Failures] = {}
 
-    def add_ok(self, count: int) -> None:
-        """Take so many rows of the manifest that are ok."""
-        self._statuses["ok"] += count
-
     def add(self, row: ManifestRow) -> None:
         """Take one row of the manifest."""
         self._statuses[row["status"]] += 1

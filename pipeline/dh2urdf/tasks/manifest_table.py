@@ -1,6 +1,6 @@
 """The manifest of a run as a Parquet file, for data science: a row for each manipulator, and a column for each fact.
 
-It is written while the rows pass by; none is kept.
+Its rows are read from the manifest, group by group.
 """
 
 from __future__ import annotations
@@ -8,18 +8,17 @@ from __future__ import annotations
 import io
 from importlib.util import find_spec
 from itertools import islice
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import orjson
 
 from dh2urdf.errors import MissingDependencyError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     import pyarrow as pa
-    from pyarrow.parquet import ParquetWriter
 
     from dh2urdf.conversion.outcome import ManifestRow
 
@@ -29,45 +28,11 @@ _PLAIN = ("name", "status", "kind", "source", "key", "keeps_kinematics")
 """What a table has of a row as it is."""
 _REPEATED = ["status", "kind", "source"]
 """Columns of few different texts; a dictionary of any other would be as long as the column."""
-_OF_SOME_RUNS = ("drawn.", "loaders.")
-"""How the names of columns begin that not all runs have."""
 
 
 def can_write_parquet() -> bool:
     """Whether pyarrow is installed; it is not imported."""
     return find_spec("pyarrow") is not None
-
-
-class TableRows(NamedTuple):
-    """Rows of the table, which a worker makes of rows of the manifest that it has at hand.
-
-    Attributes:
-        lines: each as a line of JSON.
-        kinds: the columns that not all runs have, in the order in which they have a value for the first time: whether
-            they hold truth values, numbers, text, lists of text, or objects of several kinds, which become text.
-    """
-
-    lines: Sequence[bytes]
-    kinds: Mapping[str, type]
-
-
-def table_rows(rows: Sequence[ManifestRow]) -> TableRows:
-    """The rows of the table for some rows of the manifest."""
-    lines, seen = [], dict[tuple[str, type], None]()
-    for row in rows:
-        flat = _flat(row)
-        seen.update(dict.fromkeys(zip(flat, map(type, flat.values()), strict=True)))
-        lines.append(orjson.dumps(flat))
-    kinds: dict[str, type] = {}
-    for name, kind in seen:
-        if name.startswith(_OF_SOME_RUNS) and kind is not type(None):
-            _see(kinds, name, float if kind is int else kind)
-    return TableRows(lines, kinds)
-
-
-def _see(kinds: dict[str, type], name: str, kind: type) -> None:
-    if kinds.setdefault(name, kind) is not kind:
-        kinds[name] = object
 
 
 def _flat(row: ManifestRow) -> dict[str, Any]:
@@ -82,13 +47,16 @@ def _flat(row: ManifestRow) -> dict[str, Any]:
     flat["errors"] = errors = [problem["message"] for problem in row["errors"]]
     flat["error"] = errors[0] if errors else None
     flat["notices"] = [problem["message"] for problem in row["notices"]]
+    return flat | dict(_of_some_runs(row))
+
+
+def _of_some_runs(row: ManifestRow) -> Iterator[tuple[str, Any]]:
+    """The facts of a row that not all runs have, by the names of their columns."""
     for name, value in row["drawn"].items():
-        flat[f"drawn.{name}"] = value
-    if row["loaders"]:
-        flat |= _leaves("loaders", row["loaders"])
+        yield f"drawn.{name}", value
+    yield from _leaves("loaders", row["loaders"])
     for name, why in row.get("not_loaded", {}).items():
-        flat[f"loaders.{name}.verdict"] = why
-    return flat
+        yield f"loaders.{name}.verdict", why
 
 
 def _leaves(prefix: str, facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -121,56 +89,32 @@ class ManifestTable:
     ===============================  ===================================================================================
 
     A column `drawn` or `loaders` that no manipulator fills is left out. The same rows give the same bytes with the same
-    version of pyarrow, however many come at once.
-
-    Attributes:
-        path: the file that is written.
-        place: where it will be in the end, which errors name.
+    version of pyarrow.
     """
 
-    def __init__(self, path: Path, place: str | None = None) -> None:
-        self.path = path
-        self.place = place or str(path)
+    def __init__(self) -> None:
         self._kinds: dict[str, type] = {}
-        self._waiting: list[bytes] = []
-        self._writer: ParquetWriter | None = None
-        self._is_outgrown = False
 
-    def add(self, rows: TableRows) -> None:
-        """Take rows of the manifest.
+    def add(self, row: ManifestRow) -> None:
+        """Note the columns of a row that not all runs have: their names, in the order of their first values, and types.
 
-        Raises:
-            OSError: the file cannot be written.
+        They hold truth values, numbers, text, lists of text, or values of several types, which become text.
         """
-        for name, kind in rows.kinds.items():
-            _see(self._kinds, name, kind)
-        self._waiting += rows.lines
-        while len(self._waiting) >= ROW_GROUP:
-            self._write(self._waiting[:ROW_GROUP])
-            del self._waiting[:ROW_GROUP]
+        for name, value in _of_some_runs(row):
+            if value is not None:
+                kind = float if type(value) is int else type(value)
+                if self._kinds.setdefault(name, kind) is not kind:
+                    self._kinds[name] = object
 
-    def finish(self, manifest: BinaryIO) -> None:
-        """Complete the file, or write it anew where late rows have columns that the first ones had not.
+    def write(self, path: Path, manifest: BinaryIO) -> None:
+        """Write the file.
 
         Args:
-            manifest: all lines.
+            path: the file.
+            manifest: the rows, each of which was added.
 
         Raises:
-            OSError: the file cannot be written.
-        """
-        self._write(self._waiting)
-        if self._is_outgrown:
-            self._close()
-            self._is_outgrown = False
-            manifest.seek(0)
-            while some := [orjson.loads(line) for line in islice(manifest, ROW_GROUP)]:
-                self._write(table_rows(some).lines)
-        self._close()
-
-    def _write(self, lines: Sequence[bytes]) -> None:
-        """Write a row group, if the columns are those of the groups before.
-
-        Raises:
+            OSError: it cannot be written.
             MissingDependencyError: pyarrow is installed and cannot be imported.
         """
         try:
@@ -179,27 +123,20 @@ class ManifestTable:
             raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
 
         schema = self._schema()
-        if self._writer is None:
-            self._writer = parquet.ParquetWriter(self.path, schema, use_dictionary=_REPEATED)
-        self._is_outgrown = self._is_outgrown or self._writer.schema != schema
-        if lines and not self._is_outgrown:
-            # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas, which takes 0.2 s.
-            if mixed := [name for name, kind in self._kinds.items() if kind is object]:
-                rows = [orjson.loads(line) for line in lines]
-                texts = [{name: str(row[name]) for name in mixed if row.get(name) is not None} for row in rows]
-                lines = [orjson.dumps(row | text) for row, text in zip(rows, texts, strict=True)]
-            data = b"\n".join(lines)
-            columns = json.read_json(
-                io.BytesIO(data),
-                json.ReadOptions(use_threads=False, block_size=len(data) + 1),
-                json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
-            )
-            self._writer.write_table(columns, ROW_GROUP)
-
-    def _close(self) -> None:
-        if self._writer is not None:
-            self._writer.close()
-            self._writer = None
+        mixed = [name for name, kind in self._kinds.items() if kind is object]
+        manifest.seek(0)
+        with parquet.ParquetWriter(path, schema, use_dictionary=_REPEATED) as writer:
+            while rows := [_flat(orjson.loads(line)) for line in islice(manifest, ROW_GROUP)]:
+                for row in rows if mixed else ():
+                    row |= {name: str(row[name]) for name in mixed if row.get(name) is not None}
+                # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas: 0.2 s.
+                data = b"\n".join(map(orjson.dumps, rows))
+                columns = json.read_json(
+                    io.BytesIO(data),
+                    json.ReadOptions(use_threads=False, block_size=len(data) + 1),
+                    json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
+                )
+                writer.write_table(columns, ROW_GROUP)
 
     def _schema(self) -> pa.Schema:
         """The columns and their types."""
@@ -217,6 +154,6 @@ class ManifestTable:
             "error": text,
             **dict.fromkeys(("errors", "notices"), texts),
         }
-        for some in _OF_SOME_RUNS:
+        for some in ("drawn.", "loaders."):
             types |= {name: kinds[kind] for name, kind in self._kinds.items() if name.startswith(some)}
         return pa.schema(types)

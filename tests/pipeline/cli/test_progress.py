@@ -15,8 +15,7 @@ from dh2urdf.kinematics.proof import Proof
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, LoadReport
-from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.result import Result
+from dh2urdf.tasks.batch_report import BatchReport, Result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -10,12 +10,10 @@ import re
 import shutil
 import subprocess
 import tracemalloc
-from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import orjson
 import pytest
 from lxml import etree, html
 from PIL import Image
@@ -26,14 +24,14 @@ from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
-from dh2urdf.tasks.batch_report import BatchReport
+from dh2urdf.tasks.batch_report import BatchReport, Result
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
 
 from dh2urdf.report.figures import Workspace, arm_skeleton
 from dh2urdf.report.html import page
-from dh2urdf.report.manifest import EXAMPLES, FULL, FirstManipulators, ManifestWriter
+from dh2urdf.report.manifest import EXAMPLES, FULL, FirstManipulators, ManifestWriter, write_reports
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
 from dh2urdf.report.reproduction import reproduction
 
@@ -346,16 +344,15 @@ class TestManyManipulators:
             with (tmp_path / "rows").open("w+b") as rows:
                 tracemalloc.start()
                 manifest = ManifestWriter(rows, "rows", reproduction(None, [], plan.recipe, []))
-                manifest.overview = Overview(FULL, manifest.index)
+                overview = Overview(FULL)
                 for number in range(count):
                     row = bad if number % 10 == 0 else good
                     line = row.replace(b'"arm"', b'"arm%06d"' % number).replace(b"0.125", b"0.%06d" % (number + 1))
-                    told: Any = (orjson.loads(line),)
-                    statuses = Counter(told[0]["status"] for _ in told)
-                    manifest.add(BatchReport(first=0, rows=line, statuses=statuses, kinds=Counter(), told=told))
+                    manifest.add(BatchReport(first=0, rows=line))
+                write_reports(plan.store, manifest, Result(), None, overview)
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
-            return page(manifest, FirstManipulators(0), plan.recipe, plan.store, plan.layout), peak
+            return page(manifest, overview, FirstManipulators(0), plan), peak
 
         few, small = made(22_000)
         many, large = made(30_000)

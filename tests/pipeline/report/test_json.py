@@ -12,9 +12,7 @@ from dh2urdf import __version__
 from dh2urdf.conversion.outcome import Outcome, to_line, to_text
 from dh2urdf.output.store import open_store
 from dh2urdf.report.manifest import REPORTED, SCHEMA, ManifestWriter, run_report, write_reports, write_timing
-from dh2urdf.tasks.batch_report import BatchReport
-from dh2urdf.tasks.manifest_table import ManifestTable, table_rows
-from dh2urdf.tasks.result import Result
+from dh2urdf.tasks.batch_report import BatchReport, Result
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -34,20 +32,7 @@ ARM = row("arm")
 BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
 
 
-def written_manifest(folder: Path, rows: Iterable[dict[str, Any]], *, with_table: bool = True) -> ManifestWriter:
-    """What was gathered from some rows."""
-    made = ManifestWriter((folder / "rows").open("w+b"), "manifest.jsonl", TOLD)
-    if with_table:
-        made.table = ManifestTable(folder / "table", f"{folder}/manifest.parquet")
-    every: Any = list(rows)
-    lines, statuses = b"".join(map(to_line, every)), Counter(row["status"] for row in every)
-    made.add(
-        BatchReport(first=0, rows=lines, statuses=statuses, kinds=Counter(), told=tuple(every), table=table_rows(every))
-    )
-    return made
-
-
-def manifest(rows: Iterable[dict[str, Any]]) -> ManifestWriter:
+def manifest(rows: Iterable[ManipulatorEntry]) -> ManifestWriter:
     found = ManifestWriter(io.BytesIO(), "manifest.jsonl", TOLD)
     found.rows.write(b"".join(map(to_line, rows)))
     return found
@@ -118,29 +103,17 @@ def test_durations_are_added_up(tmp_path: Path) -> None:
     assert timing(tmp_path, result(batch(ok=1)))["per_second"] is None
 
 
-def test_all_files_are_written_whole(tmp_path: Path) -> None:
+@pytest.mark.parametrize("with_table", [True, False])
+def test_all_files_are_written_whole(tmp_path: Path, *, with_table: bool) -> None:
     """report.json, index.json and, with pyarrow, the manifest as a table; no temporary file."""
-    pytest.importorskip("pyarrow")
-    from pyarrow import parquet
-
-    store, gathered = open_store(tmp_path / "out"), written_manifest(tmp_path, [ARM, BAD])
-    found = result(batch(ok=1, failed=1))
-    report = write_reports(store, gathered, found)
-    found.seconds["total"] = 2.0
-    write_timing(store, found)
-    out = tmp_path / "out"
+    parquet = pytest.importorskip("pyarrow.parquet")
+    out, found, gathered = tmp_path / "out", result(batch(ok=1, failed=1)), manifest([ARM, BAD])
+    report = write_reports(open_store(out), gathered, found, tmp_path / "table" if with_table else None)
     written = {path.name for path in out.iterdir()} - {".dh2urdf"}
-    assert written == {"report.json", "index.json", "manifest.parquet", "timing.json"}
+    assert written == {"report.json", "index.json", *(["manifest.parquet"] if with_table else [])}
     assert [path for path in (out / ".dh2urdf").rglob("*") if path.is_file()] == []
     assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(gathered, found))
     index = json.loads((out / "index.json").read_bytes())
     assert (index["manipulators"], index["failures"]["table"]["names"]) == (2, ["bad"])
-    assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]
-    assert json.loads((out / "timing.json").read_bytes())["per_second"] == 1.0
-
-
-def test_where_there_is_no_table_none_is_written(tmp_path: Path) -> None:
-    """pyarrow is an extra, and nobody is told of what is not installed."""
-    out = tmp_path / "out"
-    write_reports(open_store(out), written_manifest(tmp_path, [ARM], with_table=False), result(batch(ok=1)))
-    assert {path.name for path in out.iterdir()} - {".dh2urdf"} == {"report.json", "index.json"}
+    if with_table:
+        assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import orjson
 import pytest
 
 import dh2urdf
-from dh2urdf.report.manifest import ManifestWriter
 from dh2urdf.running.batch_work import Work
-from dh2urdf.tasks.manifest_table import table_rows
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from dh2urdf.conversion.outcome import ManifestRow
-    from dh2urdf.tasks.batch_report import BatchReport
 
 ARMS = 12
 TABLE = "# convention: standard\n# name: {name}\njoint, a, alpha, d\none, 0.4, 0, {d}\ntwo, 0.3, pi/2, 0\n"
@@ -70,39 +63,6 @@ def test_they_are_what_they_are_by_themselves(inputs: Path, by_themselves: list[
     for name, told in notices.items():
         [of_the_reader] = [notice for notice in told if "tip is within" in notice]
         assert f"{name}.urdf" in of_the_reader
-
-
-MANY = """
-inputs: {path: arms.csv, options: {convention: standard}}
-emitters: [urdf]
-report: {html: false}
-execution: {options: {workers: 1}}
-variations:
-  - {of: arm, name: long, count: 5, vary: [{joints: one, field: a, uniform: [0.2, 0.4]}]}
-  - {of: arm, name: heavy, count: 5, vary: [{joints: one, field: mass, uniform: [1, 2]}]}
-  - {of: arm, name: sliding, count: 5, vary: [{joints: two, field: type, choices: [revolute, prismatic]}]}
-"""
-
-
-def test_rows_that_are_not_read_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Index and table are the same of the lines of the manifest and of what workers send beside these."""
-    rows = ["bad,one,x,0,0.1", "arm,one,0.3,0,0.1", "arm,two,0.2,0,0.1", *[f"arm_{d},one,0.3,0,0.{d}" for d in "123"]]
-    (tmp_path / "arms.csv").write_text("robot,joint,a,alpha,d\n" + "\n".join(rows) + "\n")
-    (tmp_path / "run.yaml").write_text(MANY)
-    add = ManifestWriter.add
-    told: list[ManifestRow] = []
-
-    def of_lines(self: ManifestWriter, report: BatchReport) -> None:
-        told.extend(report.told)
-        rows = [orjson.loads(line) for line in report.rows.splitlines()]
-        add(self, replace(report, told=rows, table=table_rows(rows)))
-
-    dh2urdf.run(tmp_path / "run.yaml", tmp_path / "some", settings={"output.layout": "shards"})
-    monkeypatch.setattr(ManifestWriter, "add", of_lines)
-    dh2urdf.run(tmp_path / "run.yaml", tmp_path / "all", settings={"output.layout": "shards"})
-    assert [row["name"] for row in told] == ["bad"]
-    for name in ("index.json", "manifest.parquet"):
-        assert (tmp_path / "some" / name).read_bytes() == (tmp_path / "all" / name).read_bytes()
 
 
 LIMITED = """# convention: standard

@@ -1,22 +1,15 @@
 from __future__ import annotations
 
 import io
-import itertools
-from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
-from unittest import mock
+from typing import Any
 
 import pyarrow as pa
-from hypothesis import given, strategies as st
 from pyarrow import parquet
 
 from dh2urdf.conversion.outcome import to_line
-from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable, table_rows
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable
 
 
 def row(name: str = "arm", **facts: Any) -> dict[str, Any]:
@@ -33,18 +26,14 @@ def row(name: str = "arm", **facts: Any) -> dict[str, Any]:
     return {"name": name, **plain, **empty, **facts}
 
 
-def json_lines(rows: Iterable[dict[str, Any]]) -> io.BytesIO:
-    return io.BytesIO(b"".join(map(to_line, rows)))
-
-
-def written(*blocks: list[dict[str, Any]]) -> bytes:
-    """The file of rows that come in blocks."""
+def written(rows: list[dict[str, Any]]) -> bytes:
+    """The file of some rows."""
+    table = ManifestTable()
+    for each in rows:
+        table.add(each)  # type: ignore[arg-type]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "manifest.parquet"
-        table = ManifestTable(path)
-        for block in blocks:
-            table.add(table_rows(block))
-        table.finish(json_lines(chain.from_iterable(blocks)))
+        table.write(path, io.BytesIO(b"".join(map(to_line, rows))))
         return path.read_bytes()
 
 
@@ -144,21 +133,3 @@ class TestManifestTable:
             columns = read.read(["name", "drawn.late"]).to_pydict()
         assert columns["name"] == [f"arm_{number}" for number in range(count)]
         assert columns["drawn.late"] == [None] * (count - 1) + [1.5]
-
-    @given(
-        st.lists(
-            st.sampled_from([{}, {"a_1": 0.5}, {"a_1": 2}, {"a_1": "c"}, {"d_2": 0.1}, {"d_2": None}]), max_size=9
-        ),
-        st.lists(st.integers(0, 9), max_size=4),
-    )
-    def test_the_same_rows_give_the_same_bytes(self, drawn: list[dict[str, Any]], cuts: list[int]) -> None:
-        """However many rows come at once, and whenever a column is filled for the first time, or in another way."""
-        reports = {"simulator": {"bodies": 3}}
-        rows = [
-            row(f"arm_{number}", drawn=own, proof={"urdf": proof(0, 0)} if own else {}, loaders={} if own else reports)
-            for number, own in enumerate(drawn)
-        ]
-        borders = [0, *sorted(min(cut, len(rows)) for cut in cuts), len(rows)]
-        blocks = [rows[start:stop] for start, stop in itertools.pairwise(borders)]
-        with mock.patch("dh2urdf.tasks.manifest_table.ROW_GROUP", 2):
-            assert written(*blocks) == written(*[[row] for row in rows])

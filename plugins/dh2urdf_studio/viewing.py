@@ -23,8 +23,7 @@ from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.tasks.batch import items
-from dh2urdf.tasks.expected import Expected
-from dh2urdf.variations.variation import Variant
+from dh2urdf.tasks.batch_sizes import Expected
 from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of
@@ -140,9 +139,8 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
             raise InputError(what.problems, what.notices)
         if count == MOST_FIGURES:
             raise InputError(say("too-many-robots", count=f"more than {MOST_FIGURES}", most=MOST_FIGURES))
-        arm = what.manipulator(what.drawn()) if isinstance(what, Variant) else what
-        robot, _ = make_item(arm, transform, edits)
-        yield Figure(robot=robot, manipulator=None if isinstance(arm, Cell) else arm, title=robot.name)
+        robot, _ = make_item(what, transform, edits)
+        yield Figure(robot=robot, manipulator=None if isinstance(what, Cell) else what, title=robot.name)
 
 
 def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:

@@ -180,9 +180,10 @@ def write_reports(
         OutputError: they cannot be written.
     """
     columns = ManifestTable() if table and can_write_parquet() else None
+    gathering: list[Any] = [each for each in (manifest.index, manifest.verdicts, overview, columns) if each]
     manifest.rows.seek(0)
     for row in map(orjson.loads, manifest.rows):
-        for each in filter(None, (manifest.index, manifest.verdicts, overview, columns)):
+        for each in gathering:
             each.add(row)
     store.write(INDEX, to_text(manifest.index.as_json()))
     report = run_report(manifest, result)

@@ -89,6 +89,7 @@ class BatchWorker:
         journal: folder of it for what is done so far.
         home: the process of the run itself, which a manipulator that hangs must not end.
         effect: what is done in earnest.
+        places: those of a batch that are rehearsed; None for all.
         children: the children of loaders that are kept, of the process that this is in.
     """
 
@@ -100,6 +101,7 @@ class BatchWorker:
     journal: str
     home: str
     effect: Depth = Depth.MAKE
+    places: range | None = None
     children: KeptChildren = field(default_factory=KeptChildren, compare=False, repr=False)
 
     @property
@@ -134,6 +136,9 @@ class Work:
         with timed(self.seconds, "draw"):
             for start, variants in batch.variants:
                 self._draw(start, variants)
+        self.members = {
+            place: (columns, member) for places, columns in self.groups for member, place in enumerate(places)
+        }
         self.keys = self._keys()
 
     # --- What there is to make
@@ -203,25 +208,24 @@ class Work:
             return self.marks[place]
         if place in self.singles:
             return self.singles[place].mark
-        return next(columns.marks[places.index(place)] for places, columns in self.groups if place in places)
+        columns, member = self.members[place]
+        return columns.marks[member]
 
     def what(self, place: int) -> Single:
         """What is to be made at a place."""
         if place in self.singles:
             return self.singles[place]
-        for places, columns in self.groups:
-            if place in places:
-                return self.batch.with_notices(place, columns.pick(places.index(place)))
-        raise LookupError(place)
+        columns, member = self.members[place]
+        return self.batch.with_notices(place, columns.pick(member))
 
     # --- Making
 
     def done(self) -> BatchReport:
         """Make everything, and tell what became of it."""
         kept = self.kept()
-        ready = self._side_by_side({place for place in range(len(self.batch)) if place not in kept})
         report = BatchReport(first=self.batch.first, seconds=self.seconds)
-        parts = self.worker.layout.parts(len(self.batch))
+        parts = [self.worker.places] if self.worker.places else self.worker.layout.parts(len(self.batch))
+        ready = self._side_by_side({place for places in parts for place in places if place not in kept})
         lines = [line for places in parts for line in self._part(places, kept, ready, report)]
         return replace(report, rows=b"".join(lines))
 

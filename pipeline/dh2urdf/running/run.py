@@ -43,7 +43,7 @@ from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, batches
 from dh2urdf.tasks.batch_report import BatchReport, Result
-from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.batch_sizes import Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
@@ -302,7 +302,7 @@ def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], error:
 
 def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
     """Make all of a batch that no worker survives, but the manipulators that are the reason."""
-    doomed = dict(_culprits(worker, batch, 0))
+    doomed = dict(_culprits(worker, batch, range(len(batch))))
     try:
         made = run_in_child(BatchWorker.__call__, worker, batch.without(doomed), timeout=None, encoding=PICKLED)
         return replace(made.value, printed=(*made.value.printed, *unmarked(made.output)))
@@ -311,19 +311,19 @@ def _rescued(worker: BatchWorker, batch: Batch, lost: Lost) -> BatchReport:
         return worker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
 
 
-def _culprits(worker: BatchWorker, batch: Batch, start: int) -> Iterator[tuple[int, Doomed]]:
+def _culprits(worker: BatchWorker, batch: Batch, places: range) -> Iterator[tuple[int, Doomed]]:
     """Yield the manipulators of a batch that end the process which tries to make them, found by halving."""
-    count = len(batch)
-    limit = worker.recipe.time_limit if count == 1 else None
+    alone = len(places) == 1
+    limit = worker.recipe.time_limit if alone else None
     # A single one is ended from outside, in time; of several the first that takes too long ends the process itself.
-    patience = replace(worker.recipe, time_limit=2 * worker.recipe.time_limit) if count == 1 else worker.recipe
-    rehearsal = replace(worker, effect=Depth.REHEARSE, recipe=patience)
+    patience = replace(worker.recipe, time_limit=2 * worker.recipe.time_limit) if alone else worker.recipe
+    rehearsal = replace(worker, effect=Depth.REHEARSE, recipe=patience, places=places)
     try:
         run_in_child(BatchWorker.__call__, rehearsal, batch, timeout=limit, who="a stage", encoding=PICKLED)
     except ManipulatorError as error:
-        if count == 1:
-            yield start, Doomed(batch.names[0], error, None)
+        if alone:
+            yield places.start, Doomed(batch.names[places.start], error, None)
             return
-        middle = count // 2
-        yield from _culprits(worker, batch.part(0, middle), start)
-        yield from _culprits(worker, batch.part(middle, count), start + middle)
+        middle = len(places) // 2
+        yield from _culprits(worker, batch, places[:middle])
+        yield from _culprits(worker, batch, places[middle:])

@@ -24,7 +24,7 @@ from dh2urdf.output.whole_files import Stems
 from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
-from dh2urdf.tasks.batch_sizes import BatchSizes
+from dh2urdf.tasks.batch_sizes import BatchSizes, Expected
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.variation import Variants, VariationCall, made_variants
 
@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.run_file.plan import Plan
-    from dh2urdf.tasks.expected import Expected
     from dh2urdf.variations.laws import DrawnValue
-    from dh2urdf.variations.variation import Variant
 
 say = Messages(__file__)
 
@@ -77,11 +75,9 @@ class RunItem(NamedTuple):
         return self.what.names if isinstance(self.what, ManipulatorGroups | Variants) else (self.what.name,)
 
     @property
-    def each(self) -> Iterable[Manipulator | Cell | Rejected | Variant]:
+    def each(self) -> Iterable[Manipulator | Cell | Rejected]:
         """All of them, one by one."""
-        if isinstance(self.what, ManipulatorGroups):
-            return self.what.tables()
-        return self.what if isinstance(self.what, Variants) else (self.what,)
+        return self.what.tables() if isinstance(self.what, ManipulatorGroups | Variants) else (self.what,)
 
 
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
@@ -156,27 +152,6 @@ class Batch:
         """A table of the columns with the notices of its reader."""
         return replace(table, notices=self.of_readers[place]) if place in self.of_readers else table
 
-    def part(self, start: int, stop: int) -> Batch:
-        """Those from one place to before another one."""
-        wanted = range(start, stop)
-        variants = []
-        for first, some in self.variants:
-            if inside := some.part(max(0, start - first), max(0, stop - first)):
-                variants.append((max(0, first - start), inside))
-        return Batch(
-            first=self.first + start,
-            names=self.names[start:stop],
-            stems=self.stems[start:stop],
-            sources=self.sources[start:stop],
-            columns=ManipulatorGroups(groups=self.columns).part(start, stop).groups,
-            variants=tuple(variants),
-            singles={place - start: what for place, what in self.singles.items() if place in wanted},
-            notices={place - start: notices for place, notices in self.notices.items() if place in wanted},
-            of_readers={place - start: notices for place, notices in self.of_readers.items() if place in wanted},
-            tracebacks={place - start: text for place, text in self.tracebacks.items() if place in wanted},
-            rows={place - start: rows for place, rows in self.rows.items() if place in wanted},
-        )
-
     def without(self, doomed: Mapping[int, Doomed]) -> Batch:
         """The same batch with reasons why not in some places."""
         return replace(self, singles={**self.singles, **doomed}, rows={})
@@ -194,7 +169,7 @@ def variants_from(
     """
     groups, errors = made_variants(variants, drawn)
     doomed: dict[int, Single] = {
-        first + place: Doomed(variants[place].name, error, variants.variation.mark) for place, error in errors.items()
+        first + place: Doomed(variants.names[place], error, variants.variation.mark) for place, error in errors.items()
     }
     return [(tuple([first + place for place in places]), columns) for places, columns in groups], doomed
 
@@ -223,7 +198,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
             some = waiting.take(sizes.next(expected.total))
             batch = _batch(first, some, stems)
         if not some:
-            expected.finish(first)
+            expected.total = first
             return
         yield batch
         first += len(batch)

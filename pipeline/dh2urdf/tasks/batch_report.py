@@ -113,7 +113,7 @@ class Result:
     def __init__(self, *, keeps_kinematics: bool = True) -> None:
         self.statuses: Counter[str] = Counter()
         self.kinds: Counter[str] = Counter()
-        self.seconds: Counter[str] = Counter()
+        self.seconds: dict[str, float] = {}
         self.timings: list[dict[str, Any]] = []
         self.keeps_kinematics = keeps_kinematics
         self.leftovers = Leftovers()
@@ -132,5 +132,5 @@ class Result:
         """Take what became of a batch."""
         self.statuses += report.statuses
         self.kinds += report.kinds
-        self.seconds.update(report.seconds)
+        self.seconds |= {step: self.seconds.get(step, 0.0) + taken for step, taken in report.seconds.items()}
         self.timings += report.timings

@@ -198,6 +198,27 @@ class Variation:
         after = replace_unchecked(self.nominal, rows=tuple(rows))
         yield from torn_links(self.nominal, after, f"the variation {shown(self.name)} changes", self.mark)
 
+    def manipulator(self, number: int, drawn: Mapping[str, DrawnValue]) -> Manipulator:
+        """The table of one variant.
+
+        Args:
+            number: which one, from 1.
+            drawn: what is drawn for it.
+
+        Raises:
+            ManipulatorError: no arm has these values.
+        """
+        nominal, (name,) = self.nominal, self.names((number,))
+        rows = list(first_axes(nominal.rows, int(drawn[AXES])) if AXES in drawn else nominal.rows)
+        problems: list[Problem] = []
+        changes = self.changes(drawn)
+        for index, factors in changes.items():
+            rows[index] = changed(rows[index], {field: drawn[factor.key] for field, factor in factors.items()})
+            problems += _row_problems(rows[index], factors)
+        if problems:
+            raise ManipulatorError([problem.about(robot=name) for problem in problems])
+        return replace(nominal, name=name, rows=tuple(rows), notices=(*nominal.notices, *drawn_notices(changes, rows)))
+
     def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
         """The factors of some keys by the indices of their rows, and by their fields."""
         changes: dict[int, dict[str, Factor]] = {}
@@ -222,12 +243,6 @@ class Variants:
     def __len__(self) -> int:
         return len(self.numbers)
 
-    def __iter__(self) -> Iterator[Variant]:
-        return (Variant(variation=self.variation, number=number) for number in self.numbers)
-
-    def __getitem__(self, place: int) -> Variant:
-        return Variant(variation=self.variation, number=self.numbers[place])
-
     @property
     def names(self) -> list[str]:
         """The name of each."""
@@ -237,53 +252,14 @@ class Variants:
         """Those from one place to before another one."""
         return Variants(variation=self.variation, numbers=self.numbers[start:stop])
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Variant:
-    """One manipulator of a variation, not made yet.
-
-    Attributes:
-        variation: what it is a variant of.
-        number: which one, from 1.
-    """
-
-    variation: Variation
-    number: int
-
-    @property
-    def name(self) -> str:
-        """The variation's name and the number."""
-        return self.variation.names((self.number,))[0]
-
-    @property
-    def mark(self) -> Mark | None:
-        """Where the variation stands."""
-        return self.variation.mark
-
-    def drawn(self) -> dict[str, DrawnValue]:
-        """The values of its factors by their keys [SI]."""
-        return self.variation.drawn((self.number,))[0]
-
-    def manipulator(self, drawn: Mapping[str, DrawnValue]) -> Manipulator:
-        """The table of this variant.
-
-        Args:
-            drawn: what `drawn` gave.
+    def tables(self) -> Iterator[Manipulator]:
+        """The table of each, made when it is asked for.
 
         Raises:
-            ManipulatorError: no arm has these values.
+            ManipulatorError: no arm has the values that are drawn.
         """
-        nominal = self.variation.nominal
-        rows = list(first_axes(nominal.rows, int(drawn[AXES])) if AXES in drawn else nominal.rows)
-        problems: list[Problem] = []
-        changes = self.variation.changes(drawn)
-        for index, factors in changes.items():
-            rows[index] = changed(rows[index], {name: drawn[factor.key] for name, factor in factors.items()})
-            problems += _row_problems(rows[index], factors)
-        if problems:
-            raise ManipulatorError([problem.about(robot=self.name) for problem in problems])
-        notices = (*nominal.notices, *drawn_notices(changes, rows))
-        return replace(nominal, name=self.name, rows=tuple(rows), notices=notices)
+        for number in self.numbers:
+            yield self.variation.manipulator(number, self.variation.drawn((number,))[0])
 
 
 # --- Many at once, as columns -----------------------------------------------------------------------------------------
@@ -303,7 +279,7 @@ def made_variants(
     places, tables = [], []
     for place in sorted(set(range(len(drawn))).difference(found[0] if found else ())):
         try:
-            tables.append(variants[place].manipulator(drawn[place]))
+            tables.append(variants.variation.manipulator(variants.numbers[place], drawn[place]))
             places.append(place)
         except ManipulatorError as error:
             errors[place] = error

@@ -38,7 +38,7 @@ from dh2urdf.stages import (
     Transform,
 )
 from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.batch_sizes import Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -17,7 +17,7 @@ from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsInColumns, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, batches
-from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.batch_sizes import Expected
 from dh2urdf.testing.comparing import difference
 
 if TYPE_CHECKING:
@@ -150,21 +150,6 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> Batch:
 
 
 class TestParts:
-    @given(st.integers(0, 15), st.integers(0, 16))
-    def test_a_part_has_what_stands_in_its_places(self, batch: Batch, start: int, stop: int) -> None:
-        """With the numbers that they had in the run, wherever it is cut."""
-        stop = max(start + 1, stop)
-        part, places = batch.part(start, stop), range(start, stop)
-        assert part.first == 100 + start
-        assert list(zip(part.names, part.stems, part.sources, strict=True)) == [
-            (batch.names[place], batch.stems[place], batch.sources[place]) for place in places
-        ]
-        whole = whats(batch)
-        assert whats(part) == {place - start: whole[place] for place in places}
-        for name in ("notices", "rows", "tracebacks"):
-            facts = getattr(batch, name)
-            assert getattr(part, name) == {place - start: facts[place] for place in places if place in facts}
-
     @given(st.integers(-1, 20))
     def test_its_beginning_is_what_is_made_one_by_one(self, batch: Batch, count: int) -> None:
         """Tables and variants by their names, what is bad in its place."""
@@ -172,16 +157,8 @@ class TestParts:
         assert [what.name for what in begun] == list(batch.names[: max(0, count)])
         made = {place: what for place, what in batch.singles.items() if place < count}
         for start, variants in batch.variants:
-            for place, variant in enumerate(variants.part(0, max(0, count - start)), start):
-                made[place] = variant.manipulator(variant.drawn())
+            made.update(enumerate(variants.part(0, max(0, count - start)).tables(), start))
         assert {place: begun[place] for place in made} == made
-
-    @given(st.integers(0, 16))
-    def test_two_halves_are_the_whole(self, batch: Batch, middle: int) -> None:
-        """Nothing is lost and nothing is made twice."""
-        first, second = batch.part(0, middle), batch.part(middle, 16)
-        assert first.names + second.names == batch.names
-        assert [*whats(first).values(), *whats(second).values()] == list(whats(batch).values())
 
     def test_the_doomed_stand_in_their_places(self, batch: Batch) -> None:
         """Whatever was there; all others stay, and none is taken from an earlier run."""

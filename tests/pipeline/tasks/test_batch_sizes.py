@@ -12,8 +12,7 @@ from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.batch_sizes import LARGE
-from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.batch_sizes import LARGE, Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -10,6 +11,9 @@ from dh2urdf.source import Mark
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, Law, Normal, Scale, Uniform
 from dh2urdf.variations.variation import Rule, Variation, VariationCall, variant_columns
+
+if TYPE_CHECKING:
+    from dh2urdf.columns import ManipulatorColumns
 
 ARM = Manipulator(
     name="arm",
@@ -47,6 +51,10 @@ def variation(*rules: tuple[str, Law], count: int = 50) -> Variation:
     return bind(VariationCall(name="v", of="arm", vary=vary, count=count, seed=3), ARM)
 
 
+def columns_of(some: Variation) -> tuple[list[int], ManipulatorColumns] | None:
+    return variant_columns(some, some.variants().names, some.drawn(range(1, some.count + 1)))
+
+
 @pytest.mark.parametrize(
     "rules",
     [
@@ -72,15 +80,14 @@ def variation(*rules: tuple[str, Law], count: int = 50) -> Variation:
 )
 def test_they_are_the_tables_of_the_variants(rules: tuple[tuple[str, Law], ...]) -> None:
     """Every table is the variant's own, to the last bit, with its marks and notices; impossible ones are left out."""
-    variants = list(variation(*rules).variants())
-    drawn = [variant.drawn() for variant in variants]
-    found = variant_columns(variants[0].variation, [variant.name for variant in variants], drawn)
+    some = variation(*rules)
+    found = columns_of(some)
     assert found
     places, columns = found
     assert places
-    for place, variant in enumerate(variants):
+    for place, values in enumerate(some.drawn(range(1, 51))):
         try:
-            table = variant.manipulator(drawn[place])
+            table = some.manipulator(place + 1, values)
         except ManipulatorError:
             assert place not in places
             continue
@@ -92,15 +99,11 @@ def test_they_are_the_tables_of_the_variants(rules: tuple[tuple[str, Law], ...])
 
 def test_where_no_variant_is_an_arm_there_are_no_columns() -> None:
     """All fail alone, each for its own values."""
-    some = variation(("lower", Uniform(low=2.0, high=3.0)))
-    variants = list(some.variants())
-    found = variant_columns(some, [v.name for v in variants], [v.drawn() for v in variants])
+    found = columns_of(variation(("lower", Uniform(low=2.0, high=3.0))))
     assert found
     assert (found[0], len(found[1])) == ([], 0)
 
 
 def test_drawn_types_differ_in_more_than_numbers() -> None:
     """Where types or numbers of axes are drawn there are no columns of all."""
-    some = variation(("type", Choices(values=("revolute", "prismatic"))))
-    variants = list(some.variants())
-    assert variant_columns(some, [v.name for v in variants], [v.drawn() for v in variants]) is None
+    assert columns_of(variation(("type", Choices(values=("revolute", "prismatic"))))) is None

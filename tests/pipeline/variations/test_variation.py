@@ -29,11 +29,11 @@ from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.variation_section import LAWS
 from dh2urdf.source import Mark
 from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.expected import Expected
+from dh2urdf.tasks.batch_sizes import Expected
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling
-from dh2urdf.variations.variation import FIELDS, Rule, Variant, Variation, VariationCall, retyped
+from dh2urdf.variations.variation import FIELDS, Rule, Variation, VariationCall, retyped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -80,12 +80,12 @@ def variation(*rules: Rule, table: Manipulator = ARM, **more: Any) -> Variation:
     return bind(VariationCall(name="arm", of="arm", vary=rules, mark=WHERE, **more), table)
 
 
-def drawn(made: Variation) -> list[dict[str, DrawnValue]]:
-    return [variant.drawn() for variant in made.variants()]
+def drawn(some: Variation) -> list[dict[str, DrawnValue]]:
+    return some.drawn(range(1, some.count + 1))
 
 
-def made(variant: Variant) -> Manipulator:
-    return variant.manipulator(variant.drawn())
+def made(some: Variation, number: int = 1) -> Manipulator:
+    return some.manipulator(number, some.drawn([number])[0])
 
 
 def refused(*rules: Rule, **more: Any) -> list[str]:
@@ -111,11 +111,11 @@ class TestNumbers:
     def test_a_variant_is_made_by_itself(self, sampling: Sampling) -> None:
         """In any order and any shard, in another process too: its values depend on seed, count and number alone."""
         first = variation(*MANY, count=40, seed=7, sampling=sampling)
-        expected = {variant.number: made(variant) for variant in first.variants()}
+        expected = dict(enumerate(first.variants().tables(), 1))
         numbers = list(expected)
         random.Random(1).shuffle(numbers)  # noqa: S311 - an order
         again = pickle.loads(pickle.dumps(variation(*MANY, count=40, seed=7, sampling=sampling)))  # noqa: S301 - made here
-        assert {number: made(Variant(variation=again, number=number)) for number in numbers} == expected
+        assert {number: made(again, number) for number in numbers} == expected
         assert drawn(replace(first, seed=8)) != drawn(first)
 
     @pytest.mark.parametrize("sampling", Sampling)
@@ -133,13 +133,13 @@ class TestNumbers:
         many = variation(*MANY[:5], *bounds, *more, count=40, seed=7, sampling=sampling)
         assert len(many.factors) > 16
         for numbers in (range(1, 41), [40, 3], [7]):
-            each = [Variant(variation=many, number=number).drawn() for number in numbers]
+            each = [many.drawn([number])[0] for number in numbers]
             assert repr(many.drawn(numbers)) == repr(each)
 
     def test_names_count_up_with_enough_digits(self) -> None:
         """From 1, with as many digits as the count has: names sort as numbers do."""
         for count, first, last in ((9, "arm_1", "arm_9"), (10, "arm_01", "arm_10"), (10000, "arm_00001", "arm_10000")):
-            names = [variant.name for variant in variation(rule("a", SCALE, 2), count=count).variants()]
+            names = variation(rule("a", SCALE, 2), count=count).variants().names
             assert (names[0], names[-1], len(set(names))) == (first, last, count)
             assert sorted(names) == names
 
@@ -217,17 +217,17 @@ class TestGrids:
 class TestTables:
     def test_only_what_varies_changes(self) -> None:
         """Every other row and field is the table's."""
-        for variant in variation(rule("a", SCALE, 2), rule("upper", UNIFORM, "slide"), count=10).variants():
-            found, values = made(variant), variant.drawn()
+        some = variation(rule("a", SCALE, 2), rule("upper", UNIFORM, "slide"), count=10)
+        for found, values in zip(some.variants().tables(), drawn(some), strict=True):
             rows = list(ARM.rows)
             rows[1] = replace(rows[1], a=values["a_2"])
             rows[3] = replace(rows[3], limits=replace(rows[3].limits, upper=values["upper_4"]))
-            assert found == replace(ARM, name=variant.name, rows=tuple(rows))
+            assert found == replace(ARM, name=found.name, rows=tuple(rows))
             assert 0.32 <= float(values["a_2"]) <= 0.48
 
     def test_the_inertia_follows_the_mass(self) -> None:
         """A body with twice the mass has twice the inertia; one without a tensor gets none."""
-        made_arm = made(Variant(variation=variation(rule("mass", Choices(values=(3.0,))), count=1), number=1))
+        made_arm = made(variation(rule("mass", Choices(values=(3.0,))), count=1))
         inertia = made_arm.rows[3].inertia
         assert inertia is not None
         assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.3, 0.3, 0.3))
@@ -241,13 +241,14 @@ class TestTables:
     @pytest.mark.parametrize(("axes", "rows"), [(1, 1), (2, 3)])
     def test_the_number_of_axes(self, axes: int, rows: int) -> None:
         """The rows before the next axis stay, fixed ones with the axis before them; the tool follows the last."""
-        (variant,) = variation(rule("axes", Choices(values=(axes,))), rule("mass", UNIFORM), count=1).variants()
-        assert made(variant).rows == tuple(
-            replace(row, mass=variant.drawn()[f"mass_{number}"], inertia=made(variant).rows[number - 1].inertia)
+        some = variation(rule("axes", Choices(values=(axes,))), rule("mass", UNIFORM), count=1)
+        (values,), found = drawn(some), made(some)
+        assert found.rows == tuple(
+            replace(row, mass=values[f"mass_{number}"], inertia=found.rows[number - 1].inertia)
             for number, row in enumerate(ARM.rows[:rows], start=1)
         )
-        assert len(variant.drawn()) == rows + 1
-        assert made(variant).tool == ARM.tool
+        assert len(values) == rows + 1
+        assert found.tool == ARM.tool
 
     @pytest.mark.parametrize("row", [ARM.rows[1], ARM.rows[3], ARM.rows[2], replace(ARM.rows[0], sign=-1, theta=0.7)])
     @pytest.mark.parametrize("kind", JointType)
@@ -289,18 +290,16 @@ class TestTables:
 class TestImpossible:
     def test_exchanged_bounds_fail_alone(self) -> None:
         """The reason names the joint, both bounds and the rule; the other variants are made."""
-        variants = list(variation(rule("lower", Uniform(low=-2.0, high=4.0), "pan"), count=30).variants())
-        failed = []
-        for variant in variants:
+        some = variation(rule("lower", Uniform(low=-2.0, high=4.0), "pan"), count=30)
+        values, failed = [float(each["lower_1"]) for each in drawn(some)], []
+        for number, lower in enumerate(values, 1):
             try:
-                assert made(variant).rows[0].limits.lower == variant.drawn()["lower_1"]
+                assert made(some, number).rows[0].limits.lower == lower
             except ManipulatorError as error:
-                failed.append(variant)
+                failed.append(lower)
                 assert str(error).startswith("run.yaml:4:7: error: joint 'pan', field 'lower': lower is ")
                 assert "and upper 1, with lower drawn" in str(error)
-        assert {variant.number for variant in variants if float(variant.drawn()["lower_1"]) > 1.0} == {
-            variant.number for variant in failed
-        }
+        assert failed == [lower for lower in values if lower > 1.0]
         assert 0 < len(failed) < 30
 
     @pytest.mark.parametrize(
@@ -315,12 +314,12 @@ class TestImpossible:
     def test_what_no_arm_has_fails(self, field: str, law: Law, says: str | None) -> None:
         """The variant alone."""
         row = replace(ARM.rows[1], a=1e300, damping=0.0, friction=0.0)
-        (variant,) = variation(rule(field, law), table=replace(ARM, rows=(row,)), count=1).variants()
+        some = variation(rule(field, law), table=replace(ARM, rows=(row,)), count=1)
         if says is None:
-            assert getattr(made(variant).rows[0], field) == 0.0
+            assert getattr(made(some).rows[0], field) == 0.0
             return
         with pytest.raises(ManipulatorError, match=says):
-            made(variant)
+            made(some)
 
 
 PLACES = (Mark(file="run.yaml", line=9, column=1), Mark(file="run.yaml", line=9, column=5))

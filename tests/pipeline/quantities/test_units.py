@@ -212,21 +212,6 @@ def test_no_unit_goes_without_its_definition_here() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "dimension"),
-    [
-        ("furlong", Dimension.LENGTH),
-        ("gon", Dimension.ANGLE),
-        ("stone", Dimension.MASS),
-        ("deg/s²", Dimension.TURN_RATE),
-    ],
-)
-def test_an_unknown_unit_is_named_with_those_that_are_known(word: str, dimension: Dimension) -> None:
-    """Nothing is converted by a factor that nobody asked for."""
-    with pytest.raises(QuantityError, match=f"'{word}' is no unit of {dimension.plain} that is known"):
-        find_unit(word, dimension)
-
-
-@pytest.mark.parametrize(
     ("word", "dimension", "unit"),
     [
         ("lb", Dimension.MASS, "lb"),
@@ -245,23 +230,23 @@ def test_a_word_with_two_meanings_is_decided_by_what_is_measured(word: str, dime
 
 
 @pytest.mark.parametrize(
-    ("word", "dimension", "said"),
+    ("dimension", "words"),
     [
-        ("Nm", Dimension.LENGTH, "'Nm' is a unit of torque, and one of length is needed"),
-        ("N", Dimension.TORQUE, "'N' is a unit of force, and one of torque is needed"),
-        ("Nm", Dimension.FORCE, "'Nm' is a unit of torque, and one of force is needed"),
-        ("kg", Dimension.FORCE, "'kg' is a unit of mass, and one of force is needed"),
-        ("MNm", Dimension.TORQUE, "'MNm' may be MNm or mNm, a thousandth"),
-        ("MN", Dimension.FORCE, "'MN' may be MN or mN, a thousandth"),
-        ("N·s/m", Dimension.DAMPING, "is a unit of linear damping"),
+        (Dimension.LENGTH, "Nm"),
+        (Dimension.TORQUE, "N MNm"),
+        (Dimension.FORCE, "Nm kg MN"),
+        (Dimension.DAMPING, "N·s/m"),
+        (Dimension.ANGLE, "mm gon Grad ″ ' "),
+        (Dimension.TURN_RATE, "1/s Hz deg/s² rad/s/s"),
     ],
 )
-def test_a_word_that_may_be_another_unit_is_refused(word: str, dimension: Dimension, said: str) -> None:
+def test_a_word_that_is_another_unit_or_none_is_refused(dimension: Dimension, words: str) -> None:
     """As the unit declared for a number, and behind it."""
-    with pytest.raises(QuantityError, match=re.escape(said)):
-        find_unit(word, dimension)
-    with pytest.raises(QuantityError):
-        evaluate(f"2 {word}", dimension)
+    for word in words.split():
+        with pytest.raises(QuantityError):
+            find_unit(word, dimension)
+        with pytest.raises(QuantityError):
+            evaluate(f"2 {word}", dimension)
 
 
 @pytest.mark.parametrize("text", ["1 m m", "1 c m", "1 c m/s", "1 d e g", "1 m m/s", "1 mm mm", "2 N m m"])
@@ -313,12 +298,6 @@ def test_a_unit_of_other_people_comes_with_advice(word: str, dimension: Dimensio
     with pytest.raises(QuantityError) as refused:
         find_unit(word, dimension)
     assert re.search(advice, refused.value.suggestion or "")
-
-
-def test_a_unit_of_something_else_is_refused() -> None:
-    """An angle has no millimetres."""
-    with pytest.raises(QuantityError, match="'mm' is a unit of length, and one of angle is needed"):
-        find_unit("mm", Dimension.ANGLE)
 
 
 @given(st.decimals(-10_000, 10_000, places=4), st.sampled_from(sorted(LENGTHS)))

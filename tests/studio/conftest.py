@@ -9,9 +9,10 @@ import socket
 import subprocess
 import sys
 import zlib
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
@@ -20,11 +21,12 @@ import pytest
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
-from dh2urdf_studio.editing.edits import kept_text
+from dh2urdf_studio.editing.edits import kept_text, with_cells
 from dh2urdf_studio.editing.opening import gallery, gallery_table
+from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     from playwright.sync_api import Browser, BrowserContext, Locator, LocatorAssertions, Page
 
@@ -52,6 +54,19 @@ def catalog() -> Catalog:
     return load()
 
 
+@pytest.fixture(scope="session")
+def arm_of(catalog: Catalog) -> Callable[..., Manipulator]:
+    """The arm of a table, or of a file of the gallery, with other texts in some cells."""
+
+    def arm(table: TableText | str, cells: Mapping[tuple[int, str], str] = MappingProxyType({})) -> Manipulator:
+        table = gallery_table(table, catalog) if isinstance(table, str) else table
+        reading = read_whole(with_cells(table, cells), catalog)
+        assert reading.manipulator is not None, "\n".join(found.text for found in reading.problems)
+        return reading.manipulator
+
+    return arm
+
+
 @pytest.fixture(scope="session", name="serving")
 def _serving() -> Callable[..., Any]:
     """Starts a command that serves, as a context manager that gives its address."""
@@ -60,26 +75,14 @@ def _serving() -> Callable[..., Any]:
 
 
 @contextmanager
-def serving(
-    *words: str | Path, port: int = 0, errors: Path | None = None, patience: float | None = None
-) -> Iterator[str]:
-    """The address at which a command of the project serves, in a process of its own, until the end of the block.
-
-    Args:
-        words: the command.
-        port: where it listens.
-        errors: the file in which its standard error is written.
-        patience: how long a tab that is gone may come back [s]; without it as long as for a person.
-    """
+def serving(*words: str | Path, port: int = 0) -> Iterator[str]:
+    """The address at which a command of the project serves, in a process of its own, until the end of the block."""
     code = "from dh2urdf.cli import main; main()"
-    if patience is not None:
-        code = f"from dh2urdf_studio import server; server.PATIENCE = {patience}; {code}"
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.
     with (
-        errors.open("w") if errors else nullcontext() as stderr,
-        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True, env=environment) as server,
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server,
     ):
         assert server.stdout is not None
         try:
@@ -159,11 +162,7 @@ class Tab:
             page.on(event, listener)  # type: ignore[call-overload]
 
     def leave(self) -> None:
-        """Leaves the page ready for another test.
-
-        The next test loads the whole page and has a session of its own. The process keeps the compiled scripts and
-        shaders, which are half of what a new page costs.
-        """
+        """Leaves the page ready for another test, with the compiled scripts and shaders, half of what a page costs."""
         page = self.page
         page.mouse.move(0, 0)
         page.goto(f"{self.address}favicon.ico")
@@ -199,11 +198,7 @@ class Tab:
 
     @staticmethod
     def expect(locator: Locator) -> LocatorAssertions:
-        """What an element will be like, which Playwright waits for.
-
-        The server sends what an act changes in several messages: first all properties of elements, such as texts and
-        values, then one message each for the cells, the marks in them, the arm, the sliders and the numbers.
-        """
+        """What an element will be like, which Playwright waits for."""
         from playwright.sync_api import expect
 
         return expect(locator)
@@ -228,10 +223,7 @@ class Tab:
         self.page.wait_for_function(script, arg=before)
 
     def settle(self) -> None:
-        """Waits until the server has done all that the page has sent, and the page has all of what was answered.
-
-        This is the call by which NiceGUI has the page report, every few seconds, how far it has got.
-        """
+        """Waits until the server has done all that the page has sent, and the page has all of what was answered."""
         told = "{ client_id: clientId, next_message_id: nextMessageId }"
         self.page.evaluate(f"new Promise(done => socket.emit('ack', {told}, done))")
 
@@ -296,12 +288,39 @@ class Tab:
             self.page.get_by_role("button", name="Choose a file").click()
         choosing.value.set_files(path)
 
+    def paste(self, row: int, field: str, text: str) -> None:
+        """Pastes a text into a cell, without the clipboard."""
+        self.cell(row, field).click()
+        script = """text => {
+            const data = new DataTransfer();
+            data.setData("text/plain", text);
+            document.activeElement.dispatchEvent(new ClipboardEvent("paste", {clipboardData: data, bubbles: true}));
+        }"""
+        self.page.evaluate(script, text)
+
+    def click(self, name: str) -> None:
+        """Presses a button."""
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def choose(self, menu: str, entry: str) -> None:
+        """Chooses an entry of a menu, which closes."""
+        self.page.get_by_role("button", name=menu).click()
+        self.page.locator(".q-menu").get_by_text(entry, exact=True).click()
+        self.page.wait_for_function("!document.querySelector('.q-menu')")  # it holds the cursor
+
+    def send_past_the_page(self, size: int) -> None:
+        """Sends a file of a size [B] that the page itself would refuse."""
+        script = """async size => {
+            const {id} = document.querySelector('.studio > .q-uploader'), form = new FormData();
+            form.append("huge.csv", new File([new Uint8Array(size)], "huge.csv"));
+            await fetch(getElement(Number(id.slice(1))).$props.url, {method: 'POST', body: form});
+        }"""
+        self.page.evaluate(script, size)
+
     def save(self, what: str) -> tuple[str, bytes]:
         """Chooses an entry of the menu; gives the name and the bytes that are downloaded."""
         with self.page.expect_download() as saving:
-            self.page.get_by_role("button", name="Save").click()
-            self.page.locator(".q-menu").get_by_text(what, exact=True).click()
-        self.page.wait_for_function("!document.querySelector('.q-menu')")  # it holds the cursor
+            self.choose("Save", what)
         return saving.value.suggested_filename, saving.value.path().read_bytes()
 
     def sliders(self) -> list[float]:
@@ -360,7 +379,7 @@ class Tab:
         self.page.locator(f"{self._cell(row, field)}:text-is('{text}')").wait_for()
 
     def wait_for_cells(self, row: int, **texts: str) -> None:
-        """Waits until texts stand in cells of a row: the grid fills one after the other."""
+        """Waits until texts are in cells of a row."""
         for field, text in texts.items():
             self.wait_for_cell(row, field, text)
 
@@ -450,6 +469,14 @@ def new_tab(profile: BrowserContext, parked: dict[str, list[Page]]) -> Iterator[
     for tab in tabs:
         assert tab.foreign() == []
         assert tab in excused or tab.faults == []
+
+
+@pytest.fixture
+def tab(studio_address: str, new_tab: Callable[..., Tab]) -> Tab:
+    """A tab of the studio that is not open yet, and may use the clipboard."""
+    tab = new_tab(studio_address)
+    tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=studio_address.rstrip("/"))
+    return tab
 
 
 @pytest.fixture(scope="session")

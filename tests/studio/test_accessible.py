@@ -68,15 +68,7 @@ def parts(tab: Any, folder: Path, look: str, size: str) -> Iterator[tuple[str, s
         ("a pasted table", "a\talpha\td\n1\t0\t0\n2\t0\t0\n"),
         ("one that is wrong", "# x\na,alpha,d\n1,y,0\n"),
     ):
-        tab.cell(0, "a").click()
-        page.evaluate(
-            """text => {
-                const data = new DataTransfer();
-                data.setData("text/plain", text);
-                document.activeElement.dispatchEvent(new ClipboardEvent("paste", {clipboardData: data, bubbles: true}));
-            }""",
-            text,
-        )
+        tab.paste(0, "a", text)
         yield from _dialog(page, name)
     tab.type_into(1, "alpha", "pi/x")
     tab.wait_for_status("1 problem")

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+pytestmark = pytest.mark.long
 ROBOT = """<robot name="r">
 <link name="base"><visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>
 <link name="arm"><visual><origin xyz="0.3 0 0"/><geometry><box size="0.4 0.1 0.1"/></geometry></visual></link>
@@ -77,7 +78,6 @@ def drag_with_parallel_rays(tab: Any, hand: Hand) -> None:
     hand.look("5")
 
 
-@pytest.mark.long
 def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """It turns and slides below the pointer, inside its limits; elsewhere and without the hand the camera turns."""
     path = tmp_path / "r.urdf"
@@ -141,7 +141,6 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         page.close()
 
 
-@pytest.mark.long
 def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """Those of one robot of two, in the scene and in the file that is made of it."""
     for name in "ab":

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
@@ -23,37 +24,11 @@ def test_what_is_shown_is_the_value(value: float, length: str, angle: str) -> No
         assert math.isclose(slider.value(slider.shown(value)), wanted, rel_tol=1e-12, abs_tol=1e-12)
 
 
-def test_units_are_those_of_the_table() -> None:
-    """Degrees for what turns, millimetres for what slides."""
-    turning, sliding = joints.sliders([joint(), joint(JointType.PRISMATIC)], "mm", "deg")
-    assert turning.shown(math.pi / 2) == pytest.approx(90)
-    assert sliding.shown(0.25) == pytest.approx(250)
-
-
 @pytest.mark.parametrize(("text", "shown"), [("1,5", 1.5), ("pi/2", 1.570796), ("45°", 0.785398), ("-9", -1.0)])
 def test_a_box_takes_what_a_cell_takes(text: str, shown: float) -> None:
     """Decimal commas too; the value is inside the limits."""
     (slider,) = joints.sliders([joint()])
     assert slider.read(text) == pytest.approx(shown, abs=1e-6)
-
-
-def test_a_continuous_joint_has_a_turn() -> None:
-    """Without limits a slider goes half a turn to both sides."""
-    (slider,) = joints.sliders([joint(JointType.CONTINUOUS, None, None)])
-    assert (slider.lower, slider.upper) == (-math.pi, math.pi)
-
-
-def test_limits_beyond_all_bounds_are_cut() -> None:
-    """A slider from -1e300 to 1e300 would be of no use."""
-    (slider,) = joints.sliders([joint(lower=-1e300, upper=1e300)])
-    assert (slider.lower, slider.upper) == (-1000.0, 1000.0)
-
-
-def test_zero_is_what_is_nearest() -> None:
-    """Where 0 lies outside the limits, the nearest value inside is shown."""
-    sliders = joints.sliders([joint(lower=-3.0, upper=-0.5)])
-    assert joints.zero(sliders) == {"x": -0.5}
-    assert joints.kept({"x": math.nan}, sliders) == {"x": -0.5}
 
 
 def test_a_random_pose_is_inside_the_limits() -> None:
@@ -62,3 +37,18 @@ def test_a_random_pose_is_inside_the_limits() -> None:
     values = [joints.anywhere(sliders)["x"] for _ in range(200)]
     assert -1.0 <= min(values) < -0.5
     assert 1.5 < max(values) <= 2.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits", "expected"),
+    [
+        (JointType.CONTINUOUS, (None, None), (-math.pi, math.pi)),
+        (JointType.REVOLUTE, (-1e300, 1e300), (-1000.0, 1000.0)),
+        (JointType.REVOLUTE, (-3.0, -0.5), (-3.0, -0.5)),
+    ],
+)
+def test_limits_of_sliders(kind: JointType, limits: tuple[float | None, float | None], expected: Any) -> None:
+    """Without limits half a turn to both sides, and none beyond use; zero is what is nearest to it inside them."""
+    sliders = joints.sliders([joint(kind, *limits)])
+    assert (sliders[0].lower, sliders[0].upper) == expected
+    assert joints.zero(sliders) == joints.kept({"x": math.nan}, sliders) == {"x": min(0.0, expected[1])}

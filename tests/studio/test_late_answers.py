@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from tests.studio.test_slow_network import HELD, Network
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 FIELDS = ["a", "alpha", "d"]
 TEXTS = ["0.1", "-0.425", "pi/2", "90°", "0", "0.089159", "-pi/4", "q2 + pi/2", "0.1x2"]
@@ -31,11 +28,8 @@ KEPT = "() => JSON.parse(dhPage.kept()).rows.map(row => ['joint', 'a', 'alpha', 
 
 
 @pytest.mark.parametrize("held", [True, pytest.param(False, marks=pytest.mark.long)])
-def test_the_first_letters_go_where_they_are_typed(
-    studio_address: str, new_tab: Callable[..., Any], *, held: bool
-) -> None:
+def test_the_first_letters_go_where_they_are_typed(tab: Any, *, held: bool) -> None:
     """The documented flow by keyboard, typed faster than the server answers: a of the first row was 159, or `/2`."""
-    tab = new_tab(studio_address)
     tab.page.add_init_script(HELD)
     page = tab.open()
     tab.settle()
@@ -208,8 +202,7 @@ class Monkey:
         assert where in (None, [self.row, FIELDS[self.column]]), told
 
 
-def let_act(studio_address: str, new_tab: Callable[..., Any], seed: int, acts: int) -> None:
-    tab = new_tab(studio_address)
+def let_act(tab: Any, seed: int, acts: int) -> None:
     tab.page.add_init_script(HELD)
     page = tab.open()
     tab.settle()
@@ -225,13 +218,13 @@ def let_act(studio_address: str, new_tab: Callable[..., Any], seed: int, acts: i
     page.close()
 
 
-def test_a_monkey_with_a_late_server(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_a_monkey_with_a_late_server(tab: Any) -> None:
     """Fifty acts at random; the server answers 0.6 s late."""
-    let_act(studio_address, new_tab, seed=1, acts=50)
+    let_act(tab, seed=1, acts=50)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [2])
-def test_a_monkey_of_a_thousand_acts(studio_address: str, new_tab: Callable[..., Any], seed: int) -> None:
+def test_a_monkey_of_a_thousand_acts(tab: Any, seed: int) -> None:
     """A thousand acts at random; the server answers 0.6 s late."""
-    let_act(studio_address, new_tab, seed=seed, acts=1000)
+    let_act(tab, seed=seed, acts=1000)

@@ -10,6 +10,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+pytestmark = pytest.mark.long
 TABLES = Path(__file__).parents[2] / "configs" / "tables"
 
 LOOK = """() => {
@@ -44,18 +45,8 @@ ASKED = """{
 }"""
 
 
-def choose(page: Any, entry: str) -> None:
-    page.get_by_role("button", name="light, dark, projector").click()
-    page.locator(".q-menu").get_by_text(entry).click()
-    page.wait_for_function("!document.querySelector('.q-menu')")
-
-
-@pytest.mark.long
-def test_light_dark_and_projector(
-    studio_address: str, new_tab: Callable[..., Any], serving: Callable[..., Any]
-) -> None:
+def test_light_dark_and_projector(tab: Any, new_tab: Callable[..., Any], serving: Callable[..., Any]) -> None:
     """The system's scheme, unless one is chosen; page, cells and scene follow, and the browser keeps the choice."""
-    tab = new_tab(studio_address)
     tab.page.emulate_media(color_scheme="light")
     page = tab.open("ur5")
     light = page.evaluate(LOOK)
@@ -66,7 +57,7 @@ def test_light_dark_and_projector(
     assert (dark["look"], dark["quasar"]) == ("dark", True)
     assert dark["ink"] != light["ink"]
     assert dark["grid"] != light["grid"]
-    choose(page, "light")
+    tab.choose("light, dark, projector", "light")
     page.wait_for_function("document.documentElement.dataset.look === 'light'")
     page.wait_for_function(f"light => JSON.stringify(({LOOK})()) === JSON.stringify(light)", arg=light)
 
@@ -74,7 +65,7 @@ def test_light_dark_and_projector(
     thickness = "() => document.querySelector('.arm-view').scene.getObjectByName('d 1')?.geometry.parameters.radius"
     page.wait_for_function(f"({thickness})() > 0")
     thin, row = page.evaluate(thickness), tab.cell(0, "a").bounding_box()["height"]
-    choose(page, "projector")
+    tab.choose("light, dark, projector", "projector: larger text and lines")
     page.wait_for_function("document.documentElement.dataset.size === 'large'")
     page.wait_for_function(f"thin => ({thickness})() > 1.5 * thin", arg=thin)
     page.wait_for_function(f"document.querySelector('.dh-table .ag-cell').offsetHeight > {1.25 * row}")
@@ -104,10 +95,8 @@ def test_light_dark_and_projector(
         other.close()
 
 
-@pytest.mark.long
-def test_edges_are_quick_where_the_browser_draws_in_software(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_edges_are_quick_where_the_browser_draws_in_software(tab: Any) -> None:
     """The scene says so, and a click makes them smooth: it is kept over a reload with what is on the page."""
-    tab = new_tab(studio_address)
     tab.page.add_init_script(ASKED)
     page = tab.open("ur5")
     notice = page.get_by_role("button", name="drawn in software")
@@ -118,7 +107,7 @@ def test_edges_are_quick_where_the_browser_draws_in_software(studio_address: str
         if is_smooth:
             notice.click()
         else:
-            choose(page, "smooth edges")
+            tab.choose("light, dark, projector", "smooth edges")
         is_new = f"smoothed.join() === '{str(is_smooth).lower()}'"  # the page before may still be there
         page.wait_for_function(f"document.querySelector('.arm-view')?.drawn && {is_new}")
         tab.wait_for_table("ur5")

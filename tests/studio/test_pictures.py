@@ -5,12 +5,9 @@ from __future__ import annotations
 import io
 import struct
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "docs" / "studio"
@@ -19,100 +16,70 @@ LARGEST = 150_000
 LAPTOP, TABLET = (1280, 720), (820, 1180)
 
 
-UR5_POSE = [-2.5, -1.9, 2.0, -1.7, -1.57, 0.0]
-
-
-def empty(_: Any) -> None:
-    """An empty table, as the studio begins."""
-
-
-def ur5(tab: Any) -> None:
-    tab.open_from_gallery("ur5")
-    set_sliders(tab, UR5_POSE)
-    tab.cell(1, "a").click()
-
-
-def dark(tab: Any) -> None:
-    tab.page.emulate_media(color_scheme="dark")
-    ur5(tab)
-    tab.page.get_by_text("a α d θ", exact=True).click()
-
-
-def wrong_cell(tab: Any) -> None:
-    tab.open_from_gallery("ur5")
-    set_sliders(tab, UR5_POSE)
-    tab.type_into(3, "alpha", "pi/x")
-    tab.wait_for_status("1 problem")
-
-
-def panda(tab: Any) -> None:
-    tab.open_from_gallery("panda")
-    set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
-    tab.page.get_by_text("a α d θ", exact=True).click()
-    tab.cell(3, "a").click()
-
-
-def paper(tab: Any) -> None:
-    tab.open_from_gallery("ur5_paper")
-    tab.page.get_by_role("button", name="side by side").click()
-    tab.page.get_by_text("from the table's").wait_for()
-
-
-def lesson(tab: Any) -> None:
-    tab.open_from_gallery("panda")
-    set_sliders(tab, [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8])
-    tab.page.get_by_role("button", name="explain the picked row").click()
-    tab.cell(3, "a").click()
-    tab.page.get_by_role("button", name="3 Rz(θ)").click()
-    tab.wait_for_lesson(3.0)
-
-
-def normals(tab: Any) -> None:
-    tab.open_from_gallery("panda")
-    set_sliders(tab, [0.3, -0.6, 0.9, -1.4, 0.5, 1.2, 0.4])
-    for layer in ("joint axes", "frames"):
-        tab.page.get_by_text(layer, exact=True).click()
-    tab.switch_layers("common normals")
-
-
-def target(tab: Any) -> None:
-    tab.open_from_gallery("ur5")
-    set_sliders(tab, UR5_POSE)
-    tab.page.get_by_role("button", name="set the pose of tool0").click()
-    box = tab.page.get_by_label("z of tool0", exact=True)
-    box.fill("0.3")
-    box.press("Enter")
-    tab.page.get_by_text("tool0 is there").wait_for()
-    box.blur()
-
-
-def workspace(tab: Any) -> None:
-    tab.open_from_gallery("ur5")
-    set_sliders(tab, UR5_POSE)
-    tab.page.get_by_role("button", name="measure between frames, and show the workspace").click()
-    tab.page.get_by_text("workspace", exact=True).click()
-    tab.page.get_by_text("in 4000 random poses").wait_for()
-
-
-def set_sliders(tab: Any, values: list[float]) -> None:
-    tab.set_sliders(values)
-    tab.page.get_by_role("button", name="see all").click()
-
-
-STUDIO: dict[str, tuple[Callable[[Any], None], tuple[int, int]]] = {
-    "empty": (empty, LAPTOP),
-    "ur5": (ur5, LAPTOP),
-    "dark": (dark, LAPTOP),
-    "wrong_cell": (wrong_cell, LAPTOP),
-    "panda": (panda, LAPTOP),
-    "paper": (paper, LAPTOP),
-    "lesson": (lesson, LAPTOP),
-    "normals": (normals, LAPTOP),
-    "target": (target, LAPTOP),
-    "workspace": (workspace, LAPTOP),
-    "tablet": (ur5, TABLET),
+UR5, PANDA = [-2.5, -1.9, 2.0, -1.7, -1.57, 0.0], [0.3, 0.5, -0.2, -1.9, 0.2, 2.2, 0.8]
+Act = tuple[str, Any]
+STUDIO: dict[str, tuple[str, list[float], list[Act], tuple[int, int]]] = {
+    "empty": ("", [], [], LAPTOP),
+    "ur5": ("ur5", UR5, [("cell", 1)], LAPTOP),
+    "dark": ("ur5", UR5, [("cell", 1), ("text", "a α d θ")], LAPTOP),
+    "wrong_cell": ("ur5", UR5, [("type", "pi/x"), ("wait", "1 problem")], LAPTOP),
+    "panda": ("panda", PANDA, [("text", "a α d θ"), ("cell", 3)], LAPTOP),
+    "paper": ("ur5_paper", [], [("button", "side by side"), ("wait", "from the table's")], LAPTOP),
+    "lesson": ("panda", PANDA, [("button", "explain the picked row"), ("cell", 3), ("button", "3 Rz(θ)")], LAPTOP),
+    "normals": (
+        "panda",
+        [0.3, -0.6, 0.9, -1.4, 0.5, 1.2, 0.4],
+        [("text", "joint axes"), ("text", "frames"), ("layer", "common normals")],
+        LAPTOP,
+    ),
+    "target": (
+        "ur5",
+        UR5,
+        [("button", "set the pose of tool0"), ("z of tool0", "0.3"), ("wait", "tool0 is there")],
+        LAPTOP,
+    ),
+    "workspace": (
+        "ur5",
+        UR5,
+        [
+            ("button", "measure between frames, and show the workspace"),
+            ("text", "workspace"),
+            ("wait", "in 4000 random poses"),
+        ],
+        LAPTOP,
+    ),
+    "tablet": ("ur5", UR5, [("cell", 1)], TABLET),
 }
-ALL = {**{name: size for name, (_, size) in STUDIO.items()}, "dual_arm": LAPTOP, "housings": LAPTOP, "meshes": LAPTOP}
+"""The pictures of the studio: the table, the sliders, what is done then, and the size of the screen."""
+VIEWS: dict[str, tuple[int, list[float]]] = {
+    "dual_arm": (12, [15, -110, 115, -95, -90, 0, -15, -110, 115, -95, -90, 0]),
+    "meshes": (8, [20, -30, 0, -120, 0, 90, 45, 0.03]),  # a finger follows the other
+    "housings": (6, [-143, -109, 115, -97, -90, 0]),
+}
+"""The pictures of `dh2urdf view`: how many sliders there are, and their values."""
+ALL = {**{name: size for name, (*_, size) in STUDIO.items()}, **dict.fromkeys(VIEWS, LAPTOP)}
+
+
+def do(tab: Any, what: str, how: Any) -> None:
+    """One act of a person."""
+    page = tab.page
+    match what:
+        case "cell":
+            tab.cell(how, "a").click()
+        case "text":
+            page.get_by_text(how, exact=True).click()
+        case "button":
+            page.get_by_role("button", name=how).click()
+        case "wait":
+            page.get_by_text(how).first.wait_for()
+        case "type":
+            tab.type_into(3, "alpha", how)
+        case "layer":
+            tab.switch_layers(how)
+        case _:
+            box = page.get_by_label(what, exact=True)
+            box.fill(how)
+            box.press("Enter")
 
 
 @pytest.mark.parametrize("name", STUDIO)
@@ -120,42 +87,50 @@ def test_pictures_of_the_studio(name: str, renew: bool, request: pytest.FixtureR
     """With `--renew` the studio is brought into the state of each picture, and the picture is taken."""
     if not renew:
         return
-    act, (width, height) = STUDIO[name]
+    table, sliders, acts, (width, height) = STUDIO[name]
     new_tab = request.getfixturevalue("new_tab")
     tab = new_tab(request.getfixturevalue("studio_address"), width=width, height=height)
+    tab.page.emulate_media(color_scheme="dark" if name == "dark" else "light")
     tab.open()
-    act(tab)
+    if table:
+        tab.open_from_gallery(table)
+    if sliders:
+        set_sliders(tab, sliders)
+    for what, how in acts:
+        do(tab, what, how)
+    if name == "lesson":
+        tab.wait_for_lesson(3.0)
     take(tab, name)
 
 
-def test_picture_of_a_cell(renew: bool, request: pytest.FixtureRequest) -> None:  # noqa: FBT001 - a fixture
-    """With `--renew` a dual-arm cell is shown, and the picture is taken."""
+@pytest.mark.parametrize("name", VIEWS)
+def test_pictures_of_robots(name: str, renew: bool, request: pytest.FixtureRequest, tmp_path: Path) -> None:  # noqa: FBT001 - a fixture
+    """With `--renew` a dual-arm cell, a maker's description and a UR5 with housings are shown, and pictures taken."""
     if not renew:
         return
-    with request.getfixturevalue("serving")("view", ROOT / "configs" / "pair.yaml") as address:
+    table = tmp_path / "ur5.csv"
+    words = (ROOT / "configs" / "tables" / "ur5.csv").read_text("utf-8")
+    table.write_text(f"# defaults: {{geometry: {{shape: arm}}}}\n{words}", "utf-8")
+    path = {"dual_arm": ROOT / "configs" / "pair.yaml", "housings": table}.get(name)
+    if path is None:
+        path = request.getfixturevalue("example_robots") / "panda_description" / "urdf" / "panda.urdf"
+    count, sliders = VIEWS[name]
+    with request.getfixturevalue("serving")("view", path) as address:
         tab = request.getfixturevalue("new_tab")(address)
         tab.page.goto(address)
-        tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 12")
-        set_sliders(tab, [15, -110, 115, -95, -90, 0, -15, -110, 115, -95, -90, 0])
-        take(tab, "dual_arm")
+        tab.page.wait_for_function(f"document.querySelectorAll('.joint-slider').length === {count}")
+        if name == "meshes":
+            tab.wait_for_triangles(100_000)
+        for layer in ("joint axes", "frames") if name == "housings" else ():
+            tab.page.locator(".studio-bar").get_by_role("checkbox", name=layer, exact=True).set_checked(checked=False)
+        set_sliders(tab, sliders)
+        take(tab, name)
         tab.page.close()  # before its server ends, of which it would complain
 
 
-def test_picture_of_meshes(renew: bool, request: pytest.FixtureRequest) -> None:  # noqa: FBT001 - a fixture
-    """With `--renew` a maker's description is shown, and the picture is taken."""
-    if not renew:
-        return
-    robots = request.getfixturevalue("example_robots")
-    with request.getfixturevalue("serving")("view", robots / "panda_description" / "urdf" / "panda.urdf") as address:
-        tab = request.getfixturevalue("new_tab")(address)
-        tab.page.goto(address)
-        tab.page.wait_for_function(
-            "document.querySelectorAll('.joint-slider').length === 8"
-        )  # a finger follows the other
-        tab.wait_for_triangles(100_000)
-        set_sliders(tab, [20, -30, 0, -120, 0, 90, 45, 0.03])
-        take(tab, "meshes")
-        tab.page.close()
+def set_sliders(tab: Any, values: list[float]) -> None:
+    tab.set_sliders(values)
+    tab.page.get_by_role("button", name="see all").click()
 
 
 def take(tab: Any, name: str) -> None:
@@ -178,25 +153,6 @@ def write(screenshot: bytes, path: Path) -> None:
     sample.putdata(colours)
     palette = sample.quantize(256, kmeans=4)
     picture.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
-
-
-def test_picture_of_housings(renew: bool, request: pytest.FixtureRequest, tmp_path: Path) -> None:  # noqa: FBT001 - a fixture
-    """With `--renew` a UR5 of the shape `arm` is shown, and the picture of its scene is taken."""
-    if not renew:
-        return
-    words = (ROOT / "configs" / "tables" / "ur5.csv").read_text("utf-8")
-    (tmp_path / "ur5.csv").write_text(f"# defaults: {{geometry: {{shape: arm}}}}\n{words}", "utf-8")
-    with request.getfixturevalue("serving")("view", tmp_path / "ur5.csv") as address:
-        tab = request.getfixturevalue("new_tab")(address)
-        tab.page.goto(address)
-        tab.page.wait_for_function("document.querySelectorAll('.joint-slider').length === 6")
-        for layer in ("joint axes", "frames"):
-            box = tab.page.locator(".studio-bar").get_by_role("checkbox", name=layer, exact=True)
-            if box.get_attribute("aria-checked") == "true":
-                box.click()
-        set_sliders(tab, [-143, -109, 115, -97, -90, 0])
-        take(tab, "housings")
-        tab.page.close()
 
 
 @pytest.mark.parametrize("name", ALL)

@@ -7,15 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf_studio.editing import edits
-from dh2urdf_studio.editing.opening import gallery_table
-from dh2urdf_studio.editing.reading import read_whole
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from dh2urdf.plugin_system import Catalog
 
+pytestmark = pytest.mark.long
 HELD = """{
     // While `held` is true, what the server sends waits, in its order, and so does all `from` a message with a text on;
     // while `lost` is true, nothing that the page sends arrives, and it arrives `late` by so many milliseconds.
@@ -74,72 +70,27 @@ class Network:
 
 
 @pytest.fixture
-def slow(studio_address: str, new_tab: Callable[..., Any]) -> Iterator[tuple[Any, Network]]:
+def slow(tab: Any) -> Iterator[tuple[Any, Network]]:
     """A tab with a UR5, and its network."""
-    tab = new_tab(studio_address)
     tab.page.add_init_script(HELD)
     tab.open("ur5")
     yield tab, Network(tab.page)
     tab.page.close()  # what it holds back is for these tests only
 
 
-@pytest.mark.long
-def test_a_row_goes_on_up(slow: tuple[Any, Network]) -> None:
-    """A key that is held down moves one row, though the answer to its first move comes after its second."""
-    tab, network = slow
-    tab.cell(5, "d").click()
-    network.hold()
-    tab.page.keyboard.press("Alt+ArrowUp")
-    count = network.wait_for("dhGrid.mark")
-    tab.page.keyboard.press("Alt+ArrowUp")
-    tab.page.evaluate("count => answers.pass(count)", count)
-    tab.page.keyboard.press("Alt+ArrowUp")
-    network.release()
-    tab.wait_for_cells(2, joint="wrist_3_joint")
-    tab.wait_for_cells(4, joint="wrist_1_joint")
-    tab.wait_for_cells(5, joint="wrist_2_joint")
-
-
-@pytest.mark.long
-def test_a_new_row_is_typed_at_once(slow: tuple[Any, Network]) -> None:
-    """What is typed after Alt+Insert goes into the new row, and not over the one above it; letters after the answer too."""
-    tab, network = slow
-    for row in (2, 6):  # in the middle, and at the end
-        tab.cell(row, "alpha").click()
-        network.hold()
-        tab.page.keyboard.press("Alt+Insert")
-        tab.page.keyboard.type("0.1")
-        network.wait_for("dhGrid.mark")
-        network.release()
-        tab.page.keyboard.type("23")
-        tab.page.keyboard.press("Enter")
-        tab.wait_for_cell(row + 1, "a", "0.123")
-    tab.wait_for_cells(2, joint="elbow_joint", a="-0.39225", alpha="0")
-    tab.wait_for_cells(6, joint="wrist_3_joint", a="0", alpha="0")
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
-    ("keys", "row", "joint"),
-    [
-        (["Delete"], 3, "wrist_2_joint"),
-        (["Insert"], 3, "elbow_joint"),
-        (["ArrowUp"], 1, "shoulder_pan_joint"),
-    ],
+    ("key", "row", "joint"),
+    [("Delete", 3, "wrist_2_joint"), ("Insert", 3, "elbow_joint"), ("ArrowUp", 1, "shoulder_pan_joint")],
 )
 def test_a_cell_is_typed_in_the_row_that_is_on_the_screen(
-    slow: tuple[Any, Network], keys: list[str], row: int, joint: str
+    slow: tuple[Any, Network], key: str, row: int, joint: str
 ) -> None:
-    """Rows that were removed, added or moved before it have gone to their places; the text went into the row below or above."""
+    """Rows that were removed, added or moved before it have gone to their places; the text went into another row."""
     tab, network = slow
     tab.cell(1, "d").click()
     network.hold()
-    first, *others = keys
-    tab.page.keyboard.press(f"Alt+{first}")
-    count = network.wait_for("dhGrid.fill")
-    for key in others:
-        tab.page.keyboard.press(f"Alt+{key}")
-    tab.page.evaluate("count => answers.pass(count)", count)  # the rows after the first act are those of before by now
+    tab.page.keyboard.press(f"Alt+{key}")
+    network.wait_for("dhGrid.fill")
     assert tab.cells(row, "joint") == [joint]
     tab.type_into(row, "a", "9.9")
     network.release()
@@ -149,29 +100,9 @@ def test_a_cell_is_typed_in_the_row_that_is_on_the_screen(
     tab.wait_for_cells(row, joint=joint, a="9.9")
 
 
-def press(tab: Any, row: int, key: str) -> None:
-    tab.cell(row, "a").click()
-    tab.page.keyboard.press(key)
-
-
-PASTE = """text => {
-    const data = new DataTransfer();
-    data.setData("text/plain", text);
-    document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true }));
-}"""
-
-
-def paste(tab: Any, row: int, text: str) -> None:
-    tab.cell(row, "a").click()
-    tab.page.evaluate(PASTE, text)
-
-
-def button(tab: Any, row: int, name: str) -> None:
-    tab.cell(row, "a").click()
-    tab.page.get_by_role("button", name=name).click()
-
-
-UR5 = [["shoulder_pan", "0"], ["shoulder_lift", "-0.425"], ["elbow", "-0.39225"], *([f"wrist_{n}", "0"] for n in "123")]
+UR5 = [
+    [f"{joint}_joint", a] for joint, a in {"shoulder_pan": "0", "shoulder_lift": "-0.425", "elbow": "-0.39225"}.items()
+] + [[f"wrist_{number}_joint", "0"] for number in "123"]
 
 
 def wait_for_rows(tab: Any, rows: list[list[str]]) -> None:
@@ -180,43 +111,31 @@ def wait_for_rows(tab: Any, rows: list[list[str]]) -> None:
     for reload in (tab.page.reload, tab.settle):
         tab.page.locator(f".dh-table [aria-rowcount='{len(rows) + 1}']").wait_for()
         for number, (joint, a) in enumerate(rows):
-            tab.wait_for_cells(number, joint=f"{joint}_joint", a=a)
+            tab.wait_for_cells(number, joint=joint, a=a)
         reload()
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("keys", "more", "refused"),
-    [
-        (["0", ".", "1", "Enter"], [], "a: 0.1"),
-        (["Alt+Delete"], [], "remove"),
-    ],
-)
-def test_what_is_done_to_a_row_that_is_gone(
-    slow: tuple[Any, Network], keys: list[str], more: list[str], refused: str | None
-) -> None:
-    """It is refused in words where something would be lost, and no other row changes, though more letters follow."""
+@pytest.mark.parametrize(("keys", "refused"), [(["0", ".", "1", "Enter"], "a: 0.1"), (["Alt+Delete"], "remove")])
+def test_what_is_done_to_a_row_that_is_gone(slow: tuple[Any, Network], keys: list[str], refused: str) -> None:
+    """It is refused in words, and no other row changes."""
     tab, network = slow
-    press(tab, 1, "Alt+Insert")
+    tab.cell(1, "a").click()
+    tab.page.keyboard.press("Alt+Insert")
     tab.wait_for_cell(2, "joint", "joint_7")
     tab.settle()
     network.hold()
-    tab.page.get_by_role("button", name="undo", exact=True).click()
+    tab.click("undo")
     network.wait_for("dhGrid.fill")
     tab.cell(2, "a").click()
     for key in keys:
         tab.page.keyboard.press(key)
     network.release()
-    if refused:
-        told = tab.page.locator(".q-notification__message")
-        told.wait_for()
-        assert told.inner_text().splitlines()[1:] == [refused]
-    for key in more:
-        tab.page.keyboard.press(key)
+    told = tab.page.locator(".q-notification__message")
+    told.wait_for()
+    assert told.inner_text().splitlines()[1:] == [refused]
     wait_for_rows(tab, UR5)
 
 
-@pytest.mark.long
 def test_a_number_is_typed_below_an_old_header(slow: tuple[Any, Network]) -> None:
     """425 below `a [mm]` is no 425 m, though the undo that brings the metres back was sent before it."""
     tab, network = slow
@@ -233,58 +152,37 @@ def test_a_number_is_typed_below_an_old_header(slow: tuple[Any, Network]) -> Non
     wait_for_rows(tab, UR5)
 
 
-@pytest.mark.long
-def test_cells_are_taken_over_another_connection(slow: tuple[Any, Network], catalog: Catalog) -> None:
+def test_cells_are_taken_over_another_connection(slow: tuple[Any, Network], arm_of: Callable[..., Any]) -> None:
     """Cells that were lost with the connection are sent again; they were on the screen, and in no table."""
     tab, network = slow
     with network.broken():
         tab.type_into(1, "a", "-0.9")
         tab.type_into(2, "a", "-0.5")
-    table = edits.with_cells(gallery_table("ur5.csv", catalog), {(1, "a"): "-0.9", (2, "a"): "-0.5"})
-    arm = read_whole(table, catalog).manipulator
-    assert arm is not None
-    tab.wait_for_tool0(arm)
+    tab.wait_for_tool0(arm_of("ur5.csv", {(1, "a"): "-0.9", (2, "a"): "-0.5"}))
 
 
-JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
-
-
-def wait_for_joints(tab: Any, names: list[str]) -> None:
-    """Waits until the table has these joints, without the ends that all of their names have."""
-    tab.settle()
-    tab.page.locator(f".dh-table [aria-rowcount='{len(names) + 1}']").wait_for()
-    for row, name in enumerate(names):
-        tab.wait_for_cell(row, "joint", name if name == "joint_7" else f"{name}_joint")
-
-
-ROW_ACTS: dict[str, tuple[Callable[[Any], None], list[str]]] = {
-    "a new row": (lambda tab: tab.page.keyboard.press("Alt+Insert"), [*JOINTS[:3], "joint_7", *JOINTS[3:]]),
-    "a removed row": (lambda tab: tab.page.keyboard.press("Alt+Delete"), [*JOINTS[:2], *JOINTS[3:]]),
-    "a row that goes up": (
-        lambda tab: tab.page.keyboard.press("Alt+ArrowUp"),
-        ["shoulder_pan", "elbow", "shoulder_lift", *JOINTS[3:]],
-    ),
-    "a row that is dragged": (lambda tab: drag_row(tab, 2, 4), [*JOINTS[:2], *JOINTS[3:5], "elbow", "wrist_3"]),
-    "a button": (lambda tab: tab.page.get_by_role("button", name="remove the row").click(), [*JOINTS[:2], *JOINTS[3:]]),
+NEW = ["joint_7", ""]
+ROW_ACTS: dict[str, tuple[str, list[list[str]]]] = {
+    "a new row": ("add a row below", [*UR5[:3], NEW, *UR5[3:]]),
+    "a removed row": ("remove the row", [*UR5[:2], *UR5[3:]]),
+    "a row that goes up": ("move the row up", [UR5[0], UR5[2], UR5[1], *UR5[3:]]),
 }
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("act", [act for act in ROW_ACTS if act != "a row that is dragged"])
+@pytest.mark.parametrize("act", ROW_ACTS)
 def test_an_act_whose_answer_is_lost_is_done_once(slow: tuple[Any, Network], act: str) -> None:
     """A row is added, removed or moved once, where the connection broke after the server had done so."""
     tab, network = slow
-    do, after = ROW_ACTS[act]
+    button, after = ROW_ACTS[act]
     tab.cell(2, "d").click()
     tab.settle()
     network.hold()
-    do(tab)
+    tab.page.get_by_role("button", name=button).click()
     network.wait_for("dhGrid.mark")
     network.forget()
-    wait_for_joints(tab, after)
+    wait_for_rows(tab, after)
 
 
-@pytest.mark.long
 def test_what_is_being_typed_while_the_connection_breaks(slow: tuple[Any, Network]) -> None:
     """A text that was begun in a field, or a cell, is taken, and the cursor comes back to where it was."""
     tab, network = slow
@@ -302,7 +200,6 @@ def test_what_is_being_typed_while_the_connection_breaks(slow: tuple[Any, Networ
     page.wait_for_function("document.querySelector('[aria-label=base]').value === '{xyz: [0, 0, 0.5]}'")
 
 
-@pytest.mark.long
 def test_what_is_lost_is_told(slow: tuple[Any, Network]) -> None:
     """A page that is loaded anew while the connection is broken names what has not arrived, and nothing else."""
     tab, network = slow
@@ -332,18 +229,6 @@ def test_what_is_lost_is_told(slow: tuple[Any, Network]) -> None:
     assert told.count() == 0
 
 
-def drag_row(tab: Any, row: int, to: int) -> None:
-    """Drags a row by its number to the place of another one."""
-    tab.cell(row, "number").hover(position={"x": 12, "y": 12})  # once it stands still
-    start, end = (tab.cell(number, "number").bounding_box() for number in (row, to))
-    tab.page.mouse.down()
-    for share in (0.25, 0.5, 0.75, 1.0):
-        y = (1 - share) * start["y"] + share * end["y"] + 0.6 * end["height"]
-        tab.page.mouse.move(start["x"] + 12, y)
-    tab.page.mouse.up()
-
-
-@pytest.mark.long
 @pytest.mark.parametrize("way", ["Control+Enter", "Save"])
 def test_two_clicks_save_one_file(slow: tuple[Any, Network], way: str) -> None:
     """So does a person who saves a file; afterwards it can be saved again."""
@@ -356,13 +241,10 @@ def test_two_clicks_save_one_file(slow: tuple[Any, Network], way: str) -> None:
             page.locator(".q-menu").wait_for()
         network.hold()
         for _ in range(2):
-            match way:
-                case "Generate":
-                    page.get_by_role("button", name="Generate").click()
-                case "Save":
-                    page.locator(".q-menu").get_by_text("Table as csv", exact=True).click(force=True)
-                case _:
-                    page.keyboard.press(way)
+            if way == "Save":
+                page.locator(".q-menu").get_by_text("Table as csv", exact=True).click(force=True)
+            else:
+                page.keyboard.press(way)
             network.wait_for("download")
         with page.expect_download():
             network.release()

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system import Catalog
 
+pytestmark = pytest.mark.long
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
-@pytest.mark.long
 def test_a_cell_and_an_arm_in_one_scene(
     new_tab: Callable[..., Any], serving: Callable[..., Any], catalog: Catalog
 ) -> None:
@@ -101,7 +101,6 @@ COLOURS = """() => {
 }"""
 
 
-@pytest.mark.long
 def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
     """The files that a description names, from its package or beside it, and nothing else; what is missing is named."""
     package = tmp_path / "arm_description"

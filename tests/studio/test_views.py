@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import base64
 import io
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
+pytestmark = pytest.mark.long
 SIDES = {
     "front": (1, 0, 0),
     "left": (0, 1, 0),
@@ -33,10 +31,8 @@ UPRIGHT = """name => {
 }"""
 
 
-@pytest.mark.long
-def test_the_cube(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_the_cube(tab: Any) -> None:
     """It turns with the camera; a click on a side looks from there, with the side upright in the middle of the cube."""
-    tab = new_tab(studio_address)
     page = tab.open("ur5")
     seen = """() => [...document.querySelectorAll('.view-cube-side')].filter(side => side.style.visibility === 'visible')
         .map(side => side.textContent).sort().join()"""
@@ -140,10 +136,8 @@ class Eye:
         assert self.page.evaluate(COVERED) == []
 
 
-@pytest.mark.long
-def test_orthographic(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_orthographic(tab: Any) -> None:
     """With parallel rays what is farther is no smaller; views, picks, labels and pictures are right in both ways."""
-    tab = new_tab(studio_address)
     page, eye = tab.open("ur5"), Eye(tab)
     eye.press("1")
     page.wait_for_function(LOOKS_FROM, arg=[1, 0, 0])

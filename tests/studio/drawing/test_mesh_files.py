@@ -1,20 +1,32 @@
-"""Triangles of mesh files as the page takes them, held against trimesh."""
+"""Triangles and textures of mesh files as the page takes them, held against trimesh; each file is read once."""
 
 from __future__ import annotations
 
+import importlib
+import io
 import json
+import os
 import struct
+import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from dh2urdf.errors import OutputError
-from dh2urdf_studio.drawing.mesh_files import DrawnMesh, surfaces, triangles
+from dh2urdf.isolation import Child
+from dh2urdf_studio.drawing import mesh_files
+from dh2urdf_studio.drawing.exports import glb
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, surfaces, triangles
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from dh2urdf.plugin_system import Catalog
 
 COLOURED = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -96,20 +108,236 @@ def test_the_unit_the_axis_up_and_the_colour_of_collada(
     assert rgba == pytest.approx([0.2, 0.4, 0.6, 1.0], abs=0.003)
 
 
+@pytest.mark.parametrize("content", [b"solid x\nendsolid x\n", b"PK\x03\x04", b"<COLLADA", None])
+@pytest.mark.parametrize("suffix", ["stl", "dae"])
+def test_what_is_no_mesh(tmp_path: Path, suffix: str, content: bytes | None) -> None:
+    path = tmp_path / f"arm.{suffix}"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(OutputError, match=path.name):
+        triangles(DrawnMesh(path=path))
+
+
+# --- Textures ---------------------------------------------------------------------------------------------------------
+
+COLOURS = {(0, 0): (255, 0, 0), (1, 0): (0, 255, 0), (0, 1): (0, 0, 255), (1, 1): (255, 255, 0)}
+"""Colours at the corners of a square, by x and y."""
+OBJ = """mtllib square.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0.1 0.1
+vt 0.9 0.1
+vt 0.9 0.9
+vt 0.1 0.9
+usemtl painted
+f 1/1 2/2 3/3
+f 1/1 3/3 4/4
+"""
+MTL = "newmtl painted\nKd 1 1 1\nmap_Kd {}\n"
+DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><up_axis>Z_UP</up_axis></asset>
+<library_images><image id="i"><init_from>{}</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON>
+<newparam sid="f"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="m"><sampler2D><source>f</source></sampler2D></newparam>
+<technique sid="t"><lambert><diffuse><texture texture="m" texcoord="UV"/></diffuse></lambert></technique>
+</profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 1 1 0 0 1 0</float_array><technique_common>
+<accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<source id="u"><float_array id="ua" count="8">0.1 0.1 0.9 0.1 0.9 0.9 0.1 0.9</float_array><technique_common>
+<accessor source="#ua" count="4" stride="2"><param name="S" type="float"/><param name="T" type="float"/></accessor>
+</technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="2" material="s"><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="TEXCOORD" source="#u" offset="1" set="0"/><p>0 0 1 1 2 2 0 0 2 2 3 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="s" target="#m"/></technique_common></bind_material></instance_geometry></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def picture() -> Image.Image:
+    image = Image.new("RGB", (4, 4))
+    for (x, y), colour in COLOURS.items():
+        image.paste(colour, (2 * x, 2 * (1 - y), 2 * x + 2, 2 * (1 - y) + 2))  # rows go down
+    return image
+
+
+def square(folder: Path, name: str, texture: str = "square.png") -> Path:
+    """A square in x and y with the colours at its corners; of a glTF, whose y is up, in x and z."""
+    path = folder / name
+    if not (folder / "square.png").exists():
+        for suffix in ("png", "tga"):
+            picture().save(folder / f"square.{suffix}")
+    if path.suffix == ".obj":
+        path.write_text(OBJ)
+        path.with_suffix(".mtl").write_text(MTL.format(texture))
+    elif path.suffix == ".dae":
+        path.write_text(DAE.format(texture))
+    else:
+        trimesh.load(square(folder, "square.obj"), process=False).export(path)
+    return path
+
+
+def colours_at(uv: Any, image: Image.Image) -> Any:
+    size = np.array(image.size)
+    column, row = (np.asarray(uv) * (1, -1) + (0, 1)).__mul__(size).astype(int).T
+    return np.asarray(image.convert("RGB"))[row, column]
+
+
 @pytest.mark.parametrize(
-    ("name", "content", "message"),
+    ("name", "texture"), [("square.obj", "square.png"), ("square.dae", "./square.tga"), ("square.glb", "")]
+)
+def test_every_corner_has_its_place_in_the_picture(tmp_path: Path, name: str, texture: str) -> None:
+    """OBJ with MTL, COLLADA and glTF; a TGA, which browsers do not show, becomes a PNG; a mirror keeps places."""
+    mesh = DrawnMesh(path=square(tmp_path, name, texture), scale=(-1.0, 1.0, 1.0), as_in_ros=True)
+    content, pictures = triangles(mesh)
+    (length,) = struct.unpack_from("<I", content)
+    header = json.loads(content[4 : 4 + length])
+    ((key, shown),) = pictures.items()
+    (part,) = header["parts"]
+    assert (part["texture"], header["unread"]) == (key, [])
+    assert shown.media_type == "image/png"
+    count, corners = part["vertices"], part["corners"]
+    at = 4 + length
+    positions = np.frombuffer(content, "<f4", 3 * count, at).reshape(-1, 3)
+    uv = np.frombuffer(content, "<f4", 2 * count, at + 16 * count).reshape(-1, 2)
+    assert len(content) == at + 24 * count + 4 * corners
+    up = 2 if name.endswith("glb") else 1
+    expected = [COLOURS[round(-x), round(y)] for x, y in positions[:, [0, up]]]
+    assert (colours_at(uv, Image.open(io.BytesIO(shown.content))) == expected).all()
+    store = MeshStore({"key": mesh})
+    assert store.picture(key) is None, "nobody has got the mesh"
+    store.triangles("key").result()
+    assert store.picture(key) == shown
+    store.close()
+
+
+def test_the_scene_as_gltf_has_textures(tmp_path: Path, catalog: Catalog) -> None:
+    square(tmp_path, "square.obj")
+    robot = tmp_path / "square.urdf"
+    shape = '<geometry><mesh filename="square.obj"/></geometry>'
+    robot.write_text(f"<robot name='s'><link name='l'><visual>{shape}</visual></link></robot>")
+    view = View(load_figures([robot], catalog))
+    scene = trimesh.load_scene(io.BytesIO(glb(view.drawing, view.q, {"links"}, "s")), file_type="glb", process=False)
+    (mesh,) = scene.geometry.values()
+    assert len(mesh.vertices) == 4, "corners that are alike are there once"
+    expected = [COLOURS[round(x), round(y)] for x, y in mesh.vertices[:, :2]]
+    assert (colours_at(mesh.visual.uv, mesh.visual.material.baseColorTexture) == expected).all()
+
+
+@pytest.mark.parametrize(
+    ("texture", "message"),
     [
-        ("empty.stl", b"solid x\nendsolid x\n", "cannot be read"),
-        ("zip.stl", b"PK\x03\x04", "ZIP archive"),
-        ("arm.dae", b"<COLLADA", "cannot be read"),
+        ("../secret.png", "outside of the folder"),
+        ("%2e%2e/secret.png", "outside of the folder"),
+        ("..\\secret.png", "outside of the folder"),
+        ("{folder}/secret.png", "outside of the folder"),
+        ("file://{folder}/secret.png", "outside of the folder"),
+        ("link.png", "outside of the folder"),
+        ("http://127.0.0.1/secret.png", "no file"),
+        ("notes.txt", "suffix"),
+        ("gone.png", "no such file"),
+        ("folder.png", "no such file"),
+        ("large.png", "larger than 1 MB"),
+        ("many.png", "million pixels"),
+        ("text.png", "no picture"),
     ],
 )
-def test_what_is_no_mesh(tmp_path: Path, name: str, content: bytes, message: str) -> None:
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(OutputError, match=message):
-        triangles(DrawnMesh(path=tmp_path / name))
+@pytest.mark.parametrize("name", ["square.obj", "square.dae"])
+def test_only_pictures_of_the_mesh_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, texture: str, message: str
+) -> None:
+    """What a mesh names outside of its folder or package is refused; the mesh is drawn without, and a message is given."""
+    inner = tmp_path / "meshes"
+    (inner / "folder.png").mkdir(parents=True)
+    picture().save(tmp_path / "secret.png")
+    (inner / "link.png").symlink_to(tmp_path / "secret.png")
+    (inner / "notes.txt").write_text("secret")
+    (inner / "text.png").write_text("secret")
+    (inner / "large.png").write_bytes(bytes(2**20 + 1))
+    picture().resize((1025, 1024)).save(inner / "many.png")
+    monkeypatch.setattr(mesh_files, "LARGEST_PICTURE", 2**20)
+    path = square(inner, name, texture.replace("{folder}", str(tmp_path)))
+    monkeypatch.setattr(mesh_files, "LARGEST", 2**20)
+    content, pictures = triangles(DrawnMesh(path=path))
+    (length,) = struct.unpack_from("<I", content)
+    header = json.loads(content[4 : 4 + length])
+    assert (pictures, header["parts"][0]["texture"]) == ({}, None)
+    assert b"secret" not in content[4 + length :]
+    assert any(message in told for told in header["unread"]), header["unread"]
+    (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+    assert bool(triangles(DrawnMesh(path=path)).pictures) is (message == "outside of the folder"), "in its package"
 
 
-def test_a_file_that_has_gone(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"gone\.stl' cannot be read: No such file"):
-        triangles(DrawnMesh(path=tmp_path / "gone.stl"))
+# --- The store --------------------------------------------------------------------------------------------------------
+
+
+def test_a_file_is_read_once_until_it_changes(tmp_path: Path) -> None:
+    path = tmp_path / "box.stl"
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(path)
+    mesh = DrawnMesh(path=path)
+    store = MeshStore({"key": mesh})
+    store.begin(["key"])
+    reading = store.triangles("key")
+    before = reading.result()
+    assert store.triangles("key") is reading
+    assert before == triangles(mesh)
+    trimesh.creation.icosphere(subdivisions=1).export(path)
+    os.utime(path, ns=(1, 1))
+    assert store.triangles("key").result() != before
+    path.unlink()
+    with pytest.raises(OutputError):
+        store.triangles("key").result()
+    assert "key" in store
+    assert "other" not in store
+    store.close()
+
+
+def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A new one reads the next file, and none is left."""
+    meshes = {name: DrawnMesh(path=tmp_path / f"{name}.stl") for name in ("bad", "good")}
+    for mesh in meshes.values():
+        trimesh.creation.box((1.0, 1.0, 1.0)).export(mesh.path)
+    readers: list[Child] = []
+    monkeypatch.setattr(Child, "started", lambda: (readers.append(Child()), readers[-1])[1])
+    store = MeshStore(meshes)
+    with monkeypatch.context() as patch:
+        (tmp_path / "aborting.py").write_text("import os\ndef read(_mesh): os.abort()\n")
+        monkeypatch.syspath_prepend(tmp_path)
+        patch.setattr(mesh_files, "triangles", importlib.import_module("aborting").read)
+        with pytest.raises(OutputError, match=r"bad\.stl"):
+            store.triangles("bad").result()
+    assert store.triangles("good").result() == triangles(meshes["good"])
+    store.close()
+    assert [reader.is_alive() for reader in readers] == [False, False]
+
+
+def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two that end one reader at once would close what the other one reads: `view` ended with a false message then."""
+    os.mkfifo(tmp_path / "pipe.stl")  # nobody writes to it, so its reader waits
+    ends: list[Child] = []
+    is_there = threading.Event()
+
+    def watched() -> Child:
+        child = Child()
+        end = child.end
+        monkeypatch.setattr(child, "end", lambda: (ends.append(child), end())[1])
+        is_there.set()
+        return child
+
+    monkeypatch.setattr(Child, "started", watched)
+    store = MeshStore({"pipe": DrawnMesh(path=tmp_path / "pipe.stl")})
+    reading = store.triangles("pipe")
+    assert is_there.wait(60)
+    while not store.is_reading:
+        time.sleep(0.01)
+    store.close()
+    with pytest.raises(OutputError, match=r"pipe\.stl"):
+        reading.result(60)
+    assert len(ends) == 1

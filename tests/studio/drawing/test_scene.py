@@ -1,6 +1,7 @@
+"""What is drawn of robots, and what a dragged link moves: held against poses and published numbers."""
+
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -11,15 +12,20 @@ import trimesh
 
 from dh2urdf.kinematics import forward_kinematics, joint_variables
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.manipulator import Convention, Inertia, JointType
-from dh2urdf.robot import Inertial, Joint, Link, Mesh, Origin, Robot, Visual
+from dh2urdf.manipulator import Convention, Inertia, JointType, Limits
+from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text.texts import table_text
-from dh2urdf_studio.drawing.parts import APART, PAPER
-from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent, poses_as_json
+from dh2urdf_studio.drawing.parts import APART, PAPER, Grip
+from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf_studio.editing.reading import make
+from dh2urdf_studio.view_page import contents
+from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from conftest import ReferenceRobot
 
     from dh2urdf.manipulator import Manipulator
@@ -83,8 +89,6 @@ def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Ca
 
 def test_figures_stand_at_their_places(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
     """Two robots of one kind have names of their own, and stand apart by their places."""
-    from dataclasses import replace
-
     one = figure(reference_robots[0].manipulator, catalog)
     other = replace(one, name="other/", place=RigidTransform.from_xyz_rpy((0.0, 2.0, 0.0)))
     drawing = Drawing.of([one, other])
@@ -92,16 +96,6 @@ def test_figures_stand_at_their_places(reference_robots: list[ReferenceRobot], c
     assert len(poses) == len(drawing.nodes)
     here, there = poses["tool0"].translation, poses["other/tool0"].translation
     assert np.allclose(np.subtract(there, here), [0, 2, 0])
-
-
-def test_a_drawing_is_plain_json(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
-    """All that a browser is given is numbers and texts, twelve numbers for each node's pose."""
-    drawing = Drawing.of([figure(reference_robots[0].manipulator, catalog)])
-    sent = json.loads(json.dumps(drawing.as_json()))
-    assert [node["name"] for node in sent["nodes"]] == [node.name for node in drawing.nodes]
-    moved = json.loads(json.dumps(poses_as_json(drawing.poses({}), drawing.strokes({}))))
-    assert len(moved["poses"]) == 12 * len(drawing.nodes)
-    assert all(len(stroke["points"]) >= 2 for stroke in moved["strokes"])
 
 
 def test_meshes_that_are_not_there_are_named() -> None:
@@ -185,3 +179,129 @@ def test_an_axis_is_never_in_the_colour_of_its_links(reference_robots: list[Refe
         axes = {part.colour for node in nodes for part in node.parts if part.layer == "axes" and part.colour}
         assert axes
         assert all(math.dist(axis, colour) >= APART for axis in axes for colour in colours)
+
+
+# --- Links that are dragged -------------------------------------------------------------------------------------------
+
+ROBOT = """<robot name="r">
+<link name="base"/><link name="arm"/><link name="slide"/><link name="hand"/><link name="wheel"/><link name="finger"/>
+<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.2" rpy="0.3 0 0"/>
+  <axis xyz="0 1 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="push" type="prismatic"><parent link="arm"/><child link="slide"/><origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
+  <limit lower="-0.2" upper="0.5" effort="1" velocity="1"/></joint>
+<joint name="glue" type="fixed"><parent link="slide"/><child link="hand"/><origin xyz="0.1 0 0"/></joint>
+<joint name="roll" type="continuous"><parent link="hand"/><child link="wheel"/><axis xyz="0 0 1"/></joint>
+<joint name="copy" type="revolute"><parent link="base"/><child link="finger"/><axis xyz="0 0 1"/><origin xyz="0 0.4 0"/>
+  <limit lower="-9" upper="9" effort="1" velocity="1"/><mimic joint="turn" multiplier="-2" offset="0.1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("link", "moved"),
+    [
+        ("arm", ("turn", 0.4, 0.6)),
+        ("arm", ("turn", 5.0, 1.0)),  # no farther than the limit
+        ("hand", ("push", -0.15, -0.05)),
+        ("slide", ("push", 0.2, 0.3)),
+        ("wheel", ("roll", 6.0, 0.3 + 6.0 - 2 * math.pi)),  # round and round
+        ("finger", ("turn", -0.6, 0.5)),  # it follows at twice the speed, the other way
+        ("base", (None, 1.0, 0.0)),
+    ],
+)
+def test_a_link_moves_as_far_as_it_is_dragged(
+    tmp_path: Path, catalog: Catalog, link: str, moved: tuple[str | None, float, float]
+) -> None:
+    joint, by, value = moved
+    path = tmp_path / "r.urdf"
+    path.write_text(ROBOT)
+    view = View(load_figures([path], catalog))
+    view.move({"turn": 0.2, "push": 0.1, "roll": 0.3})
+    before, places = dict(view.q), view.drawing.poses(view.q)
+    names = [node.name for node in view.drawing.nodes]
+    view.drag(link, 0.3 * by, begins=True)
+    view.drag(link, by, begins=False)
+    if joint is None:
+        assert view.q == before
+        return
+    assert view.q[joint] == pytest.approx(value)
+    grip = view.drawing.grips[link]
+    if abs(view.q[joint] - before[joint]) < abs(by) - 1e-9:  # at a limit, or it has gone round
+        return
+    carrier = as_matrices(places[names.index(grip.carrier)])
+    axis = carrier[:3, :3] @ grip.axis / np.linalg.norm(grip.axis)
+    old, new = (as_matrices(poses[names.index(link)]) for poses in (places, view.drawing.poses(view.q)))
+    if grip.slides:
+        assert np.abs(new[:3, 3] - old[:3, 3] - by * axis).max() < 1e-9
+    else:
+        turn = new[:3, :3] @ old[:3, :3].T
+        skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        assert np.abs(turn - (np.eye(3) + math.sin(by) * skew + (1 - math.cos(by)) * skew @ skew)).max() < 1e-9
+
+
+@pytest.mark.parametrize(("by", "reached"), [(0.3, True), (-0.1, True), (-5.0, False)])
+def test_a_link_that_follows_by_a_parabola_moves_as_far_as_it_is_dragged(by: float, *, reached: bool) -> None:
+    """By b = 0.1 + a + a²; it turns back at -0.15, and is not dragged beyond."""
+    grip = Grip("a", "b", (0.0, 0.0, 1.0), slides=False, is_endless=False, followers=(Follower("a", 1.0, 0.1, (1.0,)),))
+    value = grip.value(0.2, by)
+    if reached:
+        assert 0.1 + value + value * value == pytest.approx(0.1 + 0.2 + 0.04 + by)
+    else:
+        assert value == 0.2
+
+
+# --- The tree ---------------------------------------------------------------------------------------------------------
+
+
+def test_links_from_the_root_with_all_that_they_hold() -> None:
+    links = (
+        Link(name="tip"),
+        Link(
+            name="finger",
+            inertial=Inertial(mass=0.5, com=(0.0, 0.0, 0.1), inertia=Inertia(ixx=1e-3, iyy=2e-3, izz=1e-3)),
+        ),
+        Link(
+            name="hand",
+            visuals=(
+                Visual(
+                    geometry=Mesh(filename="package://lab/meshes/hand.dae", scale=(0.001, 0.001, 0.001)),
+                    origin=Origin(xyz=(0.0, 0.0, 0.2), rpy=(math.pi / 2, 0.0, 0.0)),
+                    material=Material(name="white", rgba=(1.0, 1.0, 1.0, 1.0)),
+                ),
+            ),
+            collisions=(Collision(geometry=Box(size=(0.1, 0.2, 0.3))),),
+        ),
+        Link(name="loose"),
+    )
+    joints = (
+        Joint(name="f", type=JointType.PRISMATIC, parent="hand", child="finger", limits=Limits(lower=0.0, upper=0.04)),
+        Joint(
+            name="t", type=JointType.REVOLUTE, parent="finger", child="tip", limits=Limits(lower=-math.pi, upper=1.0)
+        ),
+        Joint(name="l", type=JointType.FIXED, parent="hand", child="loose"),
+    )
+    one = Figure(
+        robot=Robot(name="gripper", links=links, joints=joints),
+        name="gripper/",
+        title="gripper",
+        followers={"t": Follower("f", -2.0, 0.1, (0.0, -0.5))},
+        loose={"l": "floating"},
+    )
+    found = contents(one)
+    assert found["name"] == "gripper"
+    assert {link["node"]: [f"{item['kind']} {item['text']}" for item in link["items"]] for link in found["links"]} == {
+        "gripper/hand": [
+            "frame the root",
+            "visual mesh hand.dae × (0.001, 0.001, 0.001), white, xyz (0, 0, 0.2) m, rpy (90, 0, 0)°",
+            "collision box 0.1 × 0.2 × 0.3 m",
+        ],
+        "gripper/finger": [
+            "joint f: prismatic along (0, 0, 1), 0 m to 0.04 m",
+            "frame xyz (0, 0, 0) m in hand",
+            "mass 0.5 kg at (0, 0, 0.1) m; ixx, iyy, izz (0.001, 0.002, 0.001) kg·m²",
+        ],
+        "gripper/tip": [
+            "joint t: revolute about (0, 0, 1), -180° to 57.3°, follows -2 · f + 0.1 − 0.5 · f³",
+            "frame xyz (0, 0, 0) m in finger",
+        ],
+        "gripper/loose": ["joint l: floating, drawn as fixed", "frame xyz (0, 0, 0) m in hand"],
+    }
+    assert [link["name"] for link in found["links"]] == ["hand", "finger", "tip", "loose"]

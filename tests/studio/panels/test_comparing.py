@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import trimesh
 
 import dh2urdf
 import dh2urdf_studio
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"
 COUNT = "document.querySelector('.arm-view').scene.children[0].children.filter(node => node.name.startsWith('description/')).length"
@@ -34,13 +31,12 @@ def with_meshes(folder: Path, text: str) -> Path:
 
 
 @pytest.mark.long
-def test_a_description_lies_upon_the_arm(studio_address: str, new_tab: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_description_lies_upon_the_arm(tab: Any, tmp_path: Path) -> None:
     """The arm's own URDF with an elbow that stands 3 mm off: the table of differences, and the two arms in one place."""
     text = dh2urdf.convert(UR5).text
     assert text.count('xyz="0 0 0.089159"') == 1
     path = tmp_path / "measured.urdf"
     path.write_text(text.replace('xyz="0 0 0.089159"', 'xyz="0 0 0.092159"'))
-    tab = new_tab(studio_address)
     page = tab.open("ur5")
     page.get_by_role("button", name="compare with a robot description").click()
     with page.expect_file_chooser() as choosing:
@@ -120,12 +116,7 @@ def drop_all(tab: Any, folder: Path, drawn: str) -> None:
         tab.drop(".arm-view", *dropped)
         page.locator(".q-notification", has_text=answer).get_by_role("button", name="Close").click()
         tab.expect(page.locator(".q-notification", has_text=answer)).to_have_count(0)
-    script = """async name => {
-        const {id} = document.querySelector('.studio > .q-uploader'), form = new FormData();
-        form.append(name, new File([new Uint8Array(2 ** 26 + 1)], name));
-        await fetch(getElement(Number(id.slice(1))).$props.url, {method: 'POST', body: form});
-    }"""
-    page.evaluate(script, "huge.csv")  # past the page, which sends none of that size
+    tab.send_past_the_page(2**26 + 1)
     page.locator(".q-notification", has_text="of at most 64 MB").wait_for()
     tab.drop(".arm-view", other)
     tab.wait_for_table("scara")

@@ -17,8 +17,6 @@ from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.panels.lesson import explained
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from dh2urdf.plugin_system import Catalog
@@ -96,9 +94,8 @@ def test_the_symbols_are_those_of_the_conventions(catalog: Catalog) -> None:
 
 
 @pytest.mark.long
-def test_a_row_in_the_browser(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+def test_a_row_in_the_browser(tab: Any, catalog: Catalog) -> None:
     """Opened, it asks for a row; a picked row is explained; a motion is played; closed, its strokes are gone."""
-    tab = new_tab(studio_address)
     page = tab.open("ur5")
     hat = page.get_by_role("button", name="explain the picked row")
     hat.click()

@@ -26,12 +26,6 @@ if TYPE_CHECKING:
 ANGLE = st.floats(-3.0, 3.0)
 
 
-def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery_table(file, catalog)).arm
-    assert arm is not None
-    return arm.manipulator
-
-
 @given(st.lists(st.tuples(ANGLE, ANGLE), min_size=2, max_size=5), st.floats(0.0, 1.0))
 def test_a_way_goes_through_its_poses(poses: list[tuple[float, float]], part: float) -> None:
     """At whole numbers it is at a pose; between two of them inside both; it stands still where it begins and ends."""
@@ -53,9 +47,9 @@ def test_a_joint_that_a_pose_does_not_have_stays() -> None:
 
 
 @pytest.mark.long
-def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+def test_poses_are_stored_and_played(tab: Any, arm_of: Callable[..., Manipulator]) -> None:
     """The arm goes through them in order and stops at the last; one can be chosen, and forgotten."""
-    tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
+    arm = arm_of("ur5.csv")
     page = tab.open("ur5")
     page.get_by_role("button", name="stored poses").click()
     play = page.get_by_role("button", name="play", exact=True)
@@ -83,9 +77,9 @@ def test_poses_are_stored_and_played(studio_address: str, new_tab: Callable[...,
 
 
 @pytest.mark.long
-def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+def test_two_frames_are_measured(tab: Any, arm_of: Callable[..., Manipulator]) -> None:
     """Distance, xyz and rpy are those of the DH frames, also in millimetres; a line joins the two."""
-    tab, arm = new_tab(studio_address), arm_of("ur5.csv", catalog)
+    arm = arm_of("ur5.csv")
     page = tab.open("ur5")
     page.get_by_role("button", name="measure between frames, and show the workspace").click()
     words = page.locator(".studio-measured")
@@ -123,11 +117,8 @@ def test_two_frames_are_measured(studio_address: str, new_tab: Callable[..., Any
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["ur5", "stanford"])
-def test_the_workspace_is_where_tool0_can_be(
-    studio_address: str, new_tab: Callable[..., Any], catalog: Catalog, name: str
-) -> None:
+def test_the_workspace_is_where_tool0_can_be(tab: Any, catalog: Catalog, name: str) -> None:
     """No point is farther than the reach that the page gives, prismatic joints included; closed, it is gone."""
-    tab = new_tab(studio_address)
     page = tab.open(name)
     button = page.get_by_role("button", name="measure between frames, and show the workspace")
     button.click()

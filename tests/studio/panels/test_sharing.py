@@ -18,7 +18,6 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf_studio.drawing.exports import FRAMES, LARGEST
 from dh2urdf_studio.editing.edits import kept_table
 from dh2urdf_studio.editing.opening import gallery_table
-from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,28 +25,23 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system import Catalog
 
 
-def choose(tab: Any, entry: str) -> None:
-    tab.page.get_by_role("button", name="Save").click()
-    tab.page.locator(".q-menu").get_by_text(entry, exact=True).click()
-    tab.page.wait_for_function("!document.querySelector('.q-menu')")
+pytestmark = pytest.mark.long
 
 
 def link_of(tab: Any) -> str:
-    choose(tab, "Link with this table")
+    tab.choose("Save", "Link with this table")
     box = tab.page.get_by_label("link", exact=True)
     box.wait_for()
     return str(box.input_value())
 
 
-@pytest.mark.long
-def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+def test_a_link_holds_the_table(tab: Any, new_tab: Callable[..., Any], catalog: Catalog) -> None:
     """Python reads the fragment too; another tab opens it, and nothing of it is asked of the server."""
-    tab = new_tab(studio_address)
     tab.open("panda")
     tab.type_into(2, "a", "0.0825 + 1e-3")
     link = link_of(tab)
     address, _, word = link.partition("#table=")
-    assert address == studio_address
+    assert address == tab.address
     text = zlib.decompress(base64.urlsafe_b64decode(word + "==="), wbits=-15).decode()
     table = kept_table(text)
     expected = gallery_table("panda.yaml", catalog)
@@ -59,16 +53,14 @@ def test_a_link_holds_the_table(studio_address: str, new_tab: Callable[..., Any]
     page = other.open()
     other.wait_for_status("7 axes and 1 fixed joint; the arm is the table's")
     other.wait_for_cell(2, "a", "0.0825 + 1e-3")
-    assert page.url == studio_address
+    assert page.url == tab.address
     assert [url for url in other.asked if word[:20] in url] == []
     page.reload()
     other.wait_for_status("7 axes and 1 fixed joint; the arm is the table's")
 
 
-@pytest.mark.long
-def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
+def test_pictures(tab: Any) -> None:
     """Twice as fine as the screen; the arm's colours are in both, the ground in one, and labels are written."""
-    tab = new_tab(studio_address)
     page = tab.open("ur5")
     size = page.evaluate(
         "(({ clientWidth, clientHeight }) => [clientWidth, clientHeight])(document.querySelector('.arm-view'))"
@@ -88,10 +80,8 @@ def test_pictures(studio_address: str, new_tab: Callable[..., Any]) -> None:
     assert same.mean() > 0.99
 
 
-@pytest.mark.long
-def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., Any], catalog: Catalog) -> None:
+def test_a_turntable_and_the_scene(tab: Any, arm_of: Callable[..., Any]) -> None:
     """A GIF of a whole turn, all of the arm in every frame, and the camera is back; a GLB of the pose on the screen."""
-    tab = new_tab(studio_address)
     page = tab.open("ur5")
     tab.set_sliders([0.3, -1.2, 0.9, 0.4, -0.5, 0.2])
     camera = "document.querySelector('.arm-view').camera.position.toArray()"
@@ -130,8 +120,6 @@ def test_a_turntable_and_the_scene(studio_address: str, new_tab: Callable[..., A
     name, content = tab.save("Scene as glTF (GLB)")
     assert name == "ur5.glb"
     scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
-    arm = Session(catalog, gallery_table("ur5.csv", catalog)).arm
-    assert arm is not None
     y_up = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-    expected = y_up @ as_matrices(forward_kinematics(arm.manipulator, tab.sliders()))
+    expected = y_up @ as_matrices(forward_kinematics(arm_of("ur5.csv"), tab.sliders()))
     assert np.abs(scene.graph["tool0"][0] - expected).max() < 1e-6

@@ -12,34 +12,23 @@ from scipy.spatial.transform import Rotation
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_studio.editing.opening import gallery_table
-from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system import Catalog
 
 
-def arm_of(file: str, catalog: Catalog) -> Manipulator:
-    arm = Session(catalog, gallery_table(file, catalog)).arm
-    assert arm is not None
-    return arm.manipulator
+pytestmark = pytest.mark.long
 
 
-@pytest.fixture(name="opened")
-def _opened(studio_address: str, new_tab: Callable[..., Any]) -> Callable[[str], Any]:
-    """A tab with an arm and the panel."""
-
-    def open_panel(name: str) -> Any:
-        tab = new_tab(studio_address)
-        tab.open(name)
-        tab.page.get_by_role("button", name="set the pose of tool0").click()
-        tab.page.get_by_label("x of tool0", exact=True).wait_for()
-        return tab
-
-    return open_panel
+@pytest.fixture
+def ur5(tab: Any) -> Any:
+    """A tab with a UR5 and the panel."""
+    tab.open("ur5")
+    tab.click("set the pose of tool0")
+    box(tab, "x").wait_for()
+    return tab
 
 
 def box(tab: Any, name: str) -> Any:
@@ -63,10 +52,9 @@ def matrix_of(tab: Any, arm: Manipulator) -> Any:
     return as_matrices(forward_kinematics(arm, tab.sliders()))
 
 
-@pytest.mark.long
-def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None:
+def test_a_pose_is_typed(ur5: Any, arm_of: Callable[..., Manipulator]) -> None:
     """The boxes show tool0 of the sliders; what is typed there moves the arm, or is answered with how far it is off."""
-    tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
+    tab, arm = ur5, arm_of("ur5.csv")
     tab.page.get_by_text("The arm is at a singularity: manipulability 0").wait_for()  # Straight, it cannot come nearer.
     tab.press("random pose")
     tab.wait_for_tool0(arm)
@@ -82,10 +70,9 @@ def test_a_pose_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None
     assert np.abs(matrix_of(tab, arm)[:3, 3] - (0.35, -0.2, 0.4)).max() < 5e-4  # sliders have four digits
 
 
-@pytest.mark.long
-def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: Catalog) -> None:
+def test_what_is_no_pose_or_out_of_reach(ur5: Any, arm_of: Callable[..., Manipulator]) -> None:
     """A message, and the arm as near as it comes, which the message measures."""
-    tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
+    tab, arm = ur5, arm_of("ur5.csv")
     put(tab, "x", "far away")
     tab.page.locator(".studio-target-answer", has_text="x: 'far away'").wait_for()
     with tab.other_joints():
@@ -97,10 +84,9 @@ def test_what_is_no_pose_or_out_of_reach(opened: Callable[[str], Any], catalog: 
     tab.page.get_by_text("smallest singular value").wait_for()
 
 
-@pytest.mark.long
-def test_a_quaternion_is_typed(opened: Callable[[str], Any], catalog: Catalog) -> None:
+def test_a_quaternion_is_typed(ur5: Any, arm_of: Callable[..., Manipulator]) -> None:
     """In place of the angles; one of any length is taken, one of length 0 is not."""
-    tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
+    tab, arm = ur5, arm_of("ur5.csv")
     tab.press("random pose")
     tab.wait_for_tool0(arm)
     tab.page.get_by_role("button", name="quaternion").click()
@@ -116,10 +102,9 @@ def test_a_quaternion_is_typed(opened: Callable[[str], Any], catalog: Catalog) -
     tab.page.locator(".studio-target-answer", has_text="tool0 is").wait_for()
 
 
-@pytest.mark.long
-def test_tool0_is_dragged(opened: Callable[[str], Any], catalog: Catalog) -> None:
+def test_tool0_is_dragged(ur5: Any, arm_of: Callable[..., Manipulator]) -> None:
     """The handle leads tool0 in the plane that faces the camera, and its orientation stays."""
-    tab, arm = opened("ur5"), arm_of("ur5.csv", catalog)
+    tab, arm = ur5, arm_of("ur5.csv")
     page = tab.page
     tab.set_sliders([-2.5, -1.9, 2.0, -1.7, -1.57, 0.0])  # far from limits and singularities
     tab.wait_for_tool0(arm)

@@ -1,7 +1,8 @@
-"""Scenes as binary glTF, read by trimesh, which shares no code with what writes them."""
+"""Scenes as binary glTF, read again by trimesh; and frames as an animation."""
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 import struct
@@ -10,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from dh2urdf.errors import OutputError
 from dh2urdf.kinematics import dh_frames, link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_studio.drawing.exports import glb
+from dh2urdf_studio.drawing.exports import LARGEST, gif, glb
 from dh2urdf_studio.drawing.scene import LAYERS, Drawing
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import BOTH, Session
@@ -146,5 +148,41 @@ def test_meshes_are_included(tmp_path: Path, catalog: Catalog) -> None:
 
 
 def test_an_empty_scene() -> None:
-    with pytest.raises(OutputError, match="nothing is shown"):
+    with pytest.raises(OutputError) as caught:
         glb(Drawing(), {}, set(LAYERS), "none")
+    assert caught.value.problems[0].code == "nothing-shown"
+
+
+def frame(size: tuple[int, int], colour: tuple[int, int, int], kind: str = "PNG") -> str:
+    written = io.BytesIO()
+    Image.new("RGB", size, colour).save(written, kind)
+    return "data:image/png;base64," + base64.b64encode(written.getvalue()).decode()
+
+
+def test_frames_keep_their_order_and_colours() -> None:
+    colours = [(250 - 40 * number, 30 * number, 40) for number in range(6)]
+    made = Image.open(io.BytesIO(gif([frame((20, 10), colour) for colour in colours])))
+    for number, colour in enumerate(colours):
+        made.seek(number)
+        assert made.size == (20, 10)
+        found = made.convert("RGB").getpixel((5, 5))
+        assert isinstance(found, tuple)
+        assert max(abs(one - other) for one, other in zip(found, colour, strict=True)) < 3
+
+
+@pytest.mark.parametrize(
+    "second",
+    [
+        "",
+        "data:image/png;base64,!",
+        "data:image/png;base64,aaaa",
+        frame((9, 9), (0, 0, 0), "JPEG"),
+        frame((9, 8), (0, 0, 0)),
+        frame((LARGEST + 1, 2), (1, 2, 3)),
+    ],
+    ids=["empty", "no base64", "no picture", "a JPEG", "another size", "too large"],
+)
+def test_what_is_no_frame_is_refused(second: str) -> None:
+    with pytest.raises(OutputError) as caught:
+        gif([frame((9, 9), (1, 2, 3)), second])
+    assert caught.value.problems[0].code == "frame-no-picture"

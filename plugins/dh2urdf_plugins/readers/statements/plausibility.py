@@ -10,10 +10,10 @@ from dh2urdf.quantities import UNITS, Dimension
 from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+    from typing import Any
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf_plugins.readers.words.cells import Units
 
@@ -33,36 +33,28 @@ def arm_length(rows: Sequence[DHRow]) -> float:
     return sum(abs(row.a) + abs(row.d) for row in rows)
 
 
-def reach_of(rows: Sequence[DHRow]) -> float:
-    """The length of the stretched arm, with the travel of the joints that slide [m]."""
-    slides = [row.limits for row in rows if row.type is JointType.PRISMATIC]
-    return arm_length(rows) + sum(max(abs(limits.lower or 0), abs(limits.upper or 0)) for limits in slides)
-
-
-def far_away(base: RigidTransform | None, tool: RigidTransform | None) -> str | None:
+def far_away(placed: Mapping[str, Any]) -> str | None:
     """Which of base and tool is further away than arms are long; None where neither is."""
-    placed = (("base", base), ("tool", tool))
-    far = (what for what, where in placed if where and math.hypot(*where.translation) > LONGEST_ARM)
-    return next(far, None)
+    where = ((what, placed[what].translation) for what in ("base", "tool") if placed.get(what))
+    return next((what for what, translation in where if math.hypot(*translation) > LONGEST_ARM), None)
 
 
-def size_notice(
-    rows: Sequence[DHRow], units: Units, base: RigidTransform | None, tool: RigidTransform | None
-) -> Problem | None:
+def size_notice(rows: Sequence[DHRow], units: Units, placed: Mapping[str, Any]) -> Problem | None:
     """A notice of an arm that is longer than 5 m or shorter than 20 mm, with the units that would make it usual.
 
     Args:
         rows: its rows.
         units: the units of bare numbers.
-        base: its base; that it is as far away is the same question.
-        tool: its tool.
+        placed: its base and tool, of which one that is as far away is the same question.
     """
-    if what := far_away(base, tool):
+    if what := far_away(placed):
         return say("base-or-tool-far-away", field=what, limit=f"{LONGEST_ARM:g}")
-    reach, length = reach_of(rows), arm_length(rows)
+    slides = [row.limits for row in rows if row.type is JointType.PRISMATIC]
+    length = arm_length(rows)
+    reach = length + sum(max(abs(limits.lower or 0), abs(limits.upper or 0)) for limits in slides)
     if not rows or not reach or (reach >= SHORTEST_ARM and length <= LONGEST_ARM):
         return None
-    reach = max(length, reach) if length <= LONGEST_ARM else length
+    reach = length if length > LONGEST_ARM else reach
     read = units.columns.get("a") or units.columns.get("d") or units.of(Dimension.LENGTH) or UNITS["m"]
     sizes = {name: UNITS[name].si(reach / read.si(1.0)) for name in _CANDIDATES}
     meant = [name for name, size in sizes.items() if _USUAL[0] <= size <= _USUAL[1]]

@@ -24,7 +24,7 @@ from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, SI, UNIT_KEYS, table_units
-from dh2urdf_plugins.readers.statements.problems import say
+from dh2urdf_plugins.readers.statements import say
 from dh2urdf_plugins.readers.words.cells import Cell, Units
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_CONVENTIONS,
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
 
@@ -92,16 +91,6 @@ class Statements:
     repair_pi: bool = False
     bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
 
-    @property
-    def base(self) -> RigidTransform | None:
-        """The base transform; None where nothing declares it."""
-        return self.values.get("base")
-
-    @property
-    def tool(self) -> RigidTransform | None:
-        """The tool transform; None where nothing declares it."""
-        return self.values.get("tool")
-
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
     ) -> Manipulator:
@@ -131,11 +120,10 @@ class Statements:
         """Takes a word for the convention."""
         if convention := convention_of(cell.text):
             self.declare_implied_convention(convention, cell, add)
-        elif cell.text:
-            advice = did_you_mean(cell.text, [word for word in convention_words() if len(word) > len("dh")])
-            add(say("no-convention", cell, "convention", accepted=ACCEPTED_CONVENTIONS, suggestion=advice))
-        else:
-            add(say("empty-convention", cell, "convention", accepted=ACCEPTED_CONVENTIONS))
+            return
+        code, words = "no-convention" if cell.text else "empty-convention", convention_words()
+        advice = did_you_mean(cell.text, [word for word in words if len(word) > len("dh")]) if cell.text else None
+        add(say(code, cell, "convention", accepted=ACCEPTED_CONVENTIONS, suggestion=advice))
 
     def declare_implied_convention(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes the convention from what only it writes."""

@@ -23,12 +23,12 @@ _SAMPLE = 4096
 _ACCEPTED = "text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells"
 _MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
-    codecs.BOM_UTF32_LE: None,
-    codecs.BOM_UTF32_BE: None,
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
-"""Encodings by their byte order marks, longer ones first where one begins another; None for those not read."""
+"""Encodings by their byte order marks, longer ones first where one begins another."""
 
 
 def line_blocks(path: Path) -> Iterator[list[str]]:
@@ -59,34 +59,27 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
 
 def _encoding(sample: bytes, path: Path) -> str:
     refuse_other_kind(sample, str(path), TableError, "a text file", _ACCEPTED)
-    if mark := next(filter(sample.startswith, _MARKS), None):
-        if encoding := _MARKS[mark]:
-            return encoding
-        raise TableError(say("utf-32", Mark(file=str(path))))
     # Tables are mostly ASCII, whose UTF-16 has a zero in every second byte: the first or the second of each pair.
-    even, odd, half = sample[0::2].count(0), sample[1::2].count(0), len(sample) // 2
-    if half and odd > half * 0.6 and even < half * 0.1:
-        return "utf-16-le"
-    if half and even > half * 0.6 and odd < half * 0.1:
-        return "utf-16-be"
-    if even or odd:
-        raise TableError(say("nul-bytes", Mark(file=str(path))))
-    return "utf-8"
+    half = len(sample) // 2 or 1
+    even, odd = sample[0::2].count(0) / half, sample[1::2].count(0) / half
+    guessed = "utf-16-le" if odd > 0.6 and even < 0.1 else "utf-16-be" if even > 0.6 and odd < 0.1 else "utf-8"  # noqa: PLR2004
+    encoding = next((_MARKS[mark] for mark in _MARKS if sample.startswith(mark)), guessed)
+    if encoding == "utf-32" or (encoding == "utf-8" and (even or odd)):
+        raise TableError(say("utf-32" if encoding == "utf-32" else "nul-bytes", Mark(file=str(path))))
+    return encoding
 
 
 def _no_text(error: UnicodeDecodeError, path: Path, encoding: str) -> TableError:
     """The error of bytes that are no text, found again: a decoder that streams does not know its line."""
     codec, line = codecs.getincrementaldecoder(encoding)(), 1
     with path.open("rb") as binary:
-        while raw := binary.readline():
+        for line, raw in enumerate(binary, start=1):  # noqa: B007 - the last one
             try:
                 codec.decode(raw)
             except UnicodeDecodeError as again:
                 error = again
                 break
-            line += 1
-    name, perhaps = "UTF-8", "; this may be Latin-1 or Windows-1252"
-    if encoding.startswith("utf-16"):
-        name, perhaps = "UTF-16", ""
+    is_wide = encoding.startswith("utf-16")
+    name, perhaps = ("UTF-16", "") if is_wide else ("UTF-8", "; this may be Latin-1 or Windows-1252")
     place = Mark(file=str(path), line=line)
     return TableError(say("no-text", place, byte=error.object[error.start], name=name, perhaps=perhaps))

@@ -14,7 +14,7 @@ from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
 from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.statements.problems import say
+from dh2urdf_plugins.readers.statements import say
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 
@@ -34,12 +34,7 @@ SHAPES = ("cylinder", "box", "capsule", "arm")
 
 
 class Value(NamedTuple):
-    """What a key takes.
-
-    Attributes:
-        kind: the method of `Values` that reads it.
-        dimension: what its numbers measure.
-    """
+    """What a key takes: the method of `Values` that reads it, and what its numbers measure."""
 
     kind: str
     dimension: Dimension = Dimension.NUMBER
@@ -54,11 +49,7 @@ PLACED = {
     "matrix": Value("matrix"),
 }
 """Keys that say where something stands: the matrix in place of the other two."""
-BASE = PLACED | {
-    "mass": Value("at_least_zero", Dimension.MASS),
-    "geometry": Value("geometry"),
-    **MESHES,
-}
+BASE = PLACED | {"mass": Value("at_least_zero", Dimension.MASS), "geometry": Value("geometry"), **MESHES}
 DEFAULTS = {"geometry": Value("geometry"), "density": Value("positive", Dimension.DENSITY)}
 _GEOMETRY = {"shape": Value("shape"), "radius": Value("positive", Dimension.LENGTH)}
 _PAYLOAD = {
@@ -81,6 +72,7 @@ ACCEPTED = {
     "mesh": "the path of a file, or {file: link.stl, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 0.001}",
     "file": "the path of a file",
     "drawn": "all, none",
+    "shape": ", ".join(SHAPES),
 }
 """What is accepted for each kind of value, in words."""
 _XYZ, _RPY = "write `xyz: [x, y, z]`", "write `rpy: [roll, pitch, yaw]`, or the whole as `matrix`"
@@ -89,11 +81,7 @@ _MEANT |= dict.fromkeys(("rotation", "orientation", "quaternion", "quat", "euler
 
 
 class _WrongError(Exception):
-    """A value is wrong; there is no problem where `add` has it already."""
-
-    def __init__(self, problem: Problem | None = None) -> None:
-        self.problem = problem
-        super().__init__(problem)
+    """A value is wrong, and `add` has its problem."""
 
 
 def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callable[[Problem], None]) -> None:
@@ -117,7 +105,7 @@ def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callabl
 class Values:
     """Reads values, and hands over what is wrong with them.
 
-    Each method but `read` reads one kind of value, as `Value` names it.
+    Each public method but `read` and `entries` reads one kind of value, as `Value` names it.
     """
 
     def __init__(self, units: Units, add: Callable[[Problem], None], *, links: bool = False) -> None:
@@ -135,9 +123,7 @@ class Values:
         """
         try:
             return getattr(self, kind)(node, what, dimension)
-        except _WrongError as error:
-            if error.problem:
-                self.add(error.problem)
+        except _WrongError:
             return None
 
     def entries(self, entries: Mapping[str, Node], keys: Mapping[str, Value], prefix: str = "") -> dict[str, Any]:
@@ -155,8 +141,12 @@ class Values:
             raise _WrongError
         return found
 
-    def _no_value(self, node: Node, what: str, kind: str) -> NoReturn:
-        raise _WrongError(say("no-value", node, what, is_a=node.describe(), accepted=ACCEPTED[kind]))
+    def _refuse(self, code: str, node: Node, what: str, **words: Any) -> NoReturn:  # noqa: ANN401 - of a sentence
+        self.add(say(code, node, what, **words))
+        raise _WrongError
+
+    def _no_value(self, node: Node, what: str, kind: str, **words: Any) -> NoReturn:  # noqa: ANN401 - of a sentence
+        self._refuse("no-value", node, what, is_a=node.describe(), accepted=ACCEPTED[kind], **words)
 
     # --- Numbers ------------------------------------------------------------------------------------------------------
 
@@ -168,31 +158,26 @@ class Values:
             quantity = evaluate(node.text, dimension, self.units.sure(dimension), angle=self.units.in_functions)
             refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, self.units)
         except QuantityError as error:
-            reason, accepted, advice = error.message, error.accepted, error.suggestion
-            problem = say("no-quantity", node, what, reason=reason, accepted=accepted, suggestion=advice)
-            raise _WrongError(problem) from None
+            words = {"reason": error.message, "accepted": error.accepted, "suggestion": error.suggestion}
+            self._refuse("no-quantity", node, what, **words)
         value, has_unit = abs(quantity.value), quantity.has_unit or self.units.angle
         if quantity.variable:
-            raise _WrongError(say("nothing-moves", node, what))
+            self._refuse("nothing-moves", node, what)
         if dimension is Dimension.ANGLE and value > FULL_TURN and not has_unit:
-            raise _WrongError(say("degrees-perhaps", node, what, text=node.text.strip()))
+            self._refuse("degrees-perhaps", node, what, text=node.text.strip())
         if dimension is Dimension.ANGLE and value > LARGEST_ANGLE:
-            raise _WrongError(say("many-turns", node, what))
+            self._refuse("many-turns", node, what)
         return quantity.value
 
     def positive(self, node: Node, what: str, dimension: Dimension) -> float:
         """A number above 0."""
         number = self.number(node, what, dimension)
-        if number <= 0:
-            raise _WrongError(say("not-positive", node, what))
-        return number
+        return number if number > 0 else self._refuse("not-positive", node, what)
 
     def at_least_zero(self, node: Node, what: str, dimension: Dimension) -> float:
         """A number of 0 or more: a base of 0 kg has no body."""
         number = self.number(node, what, dimension)
-        if number < 0:
-            raise _WrongError(say("negative", node, what))
-        return number
+        return number if number >= 0 else self._refuse("negative", node, what)
 
     def vector(self, node: Node, what: str, dimension: Dimension) -> Vec3:
         """A list of three numbers."""
@@ -203,10 +188,7 @@ class Values:
 
     def factors(self, node: Node, what: str, dimension: Dimension) -> Vec3:
         """One factor for all axes, or one for each."""
-        if isinstance(node.value, list):
-            return self.vector(node, what, dimension)
-        factor = self.number(node, what, dimension)
-        return (factor, factor, factor)
+        return self.vector(node, what, dimension) if node.text is None else (self.number(node, what, dimension),) * 3
 
     # --- Transforms ---------------------------------------------------------------------------------------------------
 
@@ -227,13 +209,11 @@ class Values:
     def _placed(self, node: Node, what: str, found: Mapping[str, Any]) -> RigidTransform:
         """The transform that values under the keys of `PLACED` say."""
         if "matrix" in found and (both := [key for key in ("xyz", "rpy") if key in found]):
-            raise _WrongError(say("matrix-beside", node, what, mark=node.key_mark(both[0]), beside=both[0]))
+            self._refuse("matrix-beside", node, what, mark=node.key_mark(both[0]), beside=both[0])
         matrix: RigidTransform | None = found.get("matrix")
         transform = matrix or RigidTransform.from_xyz_rpy(found.get("xyz", ZERO), found.get("rpy", ZERO))
-        distance = math.hypot(*transform.translation)
-        if distance > MEASURABLE_ARM:
-            limit = f"{MEASURABLE_ARM:g}"
-            raise _WrongError(say("far-away", node, what, distance=f"{distance:.4g}", limit=limit))
+        if (distance := math.hypot(*transform.translation)) > MEASURABLE_ARM:
+            self._refuse("far-away", node, what, distance=f"{distance:.4g}", limit=f"{MEASURABLE_ARM:g}")
         return transform
 
     @staticmethod
@@ -247,18 +227,16 @@ class Values:
         """A rigid 4x4 matrix."""
         items, what = self._square(node, 4), what.removesuffix(".matrix")
         if not items:
-            raise _WrongError(say("no-matrix", node, what, accepted=ACCEPTED["placement"]))
+            self._refuse("no-matrix", node, what, accepted=ACCEPTED["placement"])
         kinds = 3 * (*3 * (Dimension.NUMBER,), Dimension.LENGTH) + 4 * (Dimension.NUMBER,)
         numbers = [self.number(item, what, kind) for item, kind in zip(items, kinds, strict=True)]
         a, b, c, x, d, e, f, y, g, h, i, z, *last = numbers
         if any(abs(number - wanted) > ORTHONORMAL for number, wanted in zip(last, (0, 0, 0, 1), strict=True)):
-            raise _WrongError(
-                say("not-rigid", items[12], what, found=", ".join(item.text or "" for item in items[12:]))
-            )
+            self._refuse("not-rigid", items[12], what, found=", ".join(item.text or "" for item in items[12:]))
         rotation, deviation = nearest_rotation((a, b, c, d, e, f, g, h, i))
         if not deviation <= NEARLY_ORTHONORMAL:  # `not <=`: an overflow makes it NaN
             advice, limit = MORE_DIGITS if deviation < _ROUNDED else None, f"{NEARLY_ORTHONORMAL:g}"
-            raise _WrongError(say("no-rotation", node, what, by=f"{deviation:.3g}", limit=limit, suggestion=advice))
+            self._refuse("no-rotation", node, what, by=f"{deviation:.3g}", limit=limit, suggestion=advice)
         if deviation > ORTHONORMAL:
             self.add(say("rounded-rotation", node, what, found=None, by=f"{deviation:.1g}", suggestion=MORE_DIGITS))
         return self._placed(node, what, {"matrix": RigidTransform(rotation, (x, y, z))})
@@ -275,17 +253,14 @@ class Values:
 
     def shape(self, node: Node, what: str, _: Dimension) -> str:
         """The word for a shape."""
-        if node.text not in SHAPES:
-            advice = did_you_mean(node.text or "", SHAPES)
-            kind = node.describe()
-            raise _WrongError(say("no-value", node, what, is_a=kind, accepted=", ".join(SHAPES), suggestion=advice))
-        return node.text
+        text = node.text or ""
+        return text if text in SHAPES else self._no_value(node, what, "shape", suggestion=did_you_mean(text, SHAPES))
 
     def payload(self, node: Node, what: str, _: Dimension) -> Payload:
         """What the arm carries at tool0: mass, centre of mass and inertia."""
         found = self._record(node, what, _PAYLOAD, "payload")
         if "mass" not in found:
-            raise _WrongError(say("no-mass", node, "payload.mass", accepted=ACCEPTED["payload"]))
+            self._refuse("no-mass", node, "payload.mass", accepted=ACCEPTED["payload"])
         return Payload(**found)
 
     def tensor(self, node: Node, what: str, dimension: Dimension) -> Inertia:
@@ -299,10 +274,9 @@ class Values:
             number = self.number(item, f"{what}.{name}", dimension)
             if found.setdefault(name, number) != number:
                 one, other = f"{found[name]:.9g}", f"{number:.9g}"
-                raise _WrongError(say("not-symmetric", item, what, element=name, one=one, other=other))
+                self._refuse("not-symmetric", item, what, element=name, one=one, other=other)
         if missing := next((name for name in INERTIA[:3] if name not in found), None):
-            name, accepted = f"{what}.{missing}", ACCEPTED["tensor"]
-            raise _WrongError(say("half-a-tensor", node, name, accepted=accepted, missing=missing))
+            self._refuse("half-a-tensor", node, f"{what}.{missing}", accepted=ACCEPTED["tensor"], missing=missing)
         return Inertia(**found)
 
     # --- Meshes -------------------------------------------------------------------------------------------------------
@@ -312,7 +286,7 @@ class Values:
         if isinstance(node.value, str):
             return self.file(node, what, dimension)
         if isinstance(node.value, dict) and "file" not in node.value:
-            raise _WrongError(say("no-file", node, what, accepted=ACCEPTED["mesh"]))
+            self._refuse("no-file", node, what, accepted=ACCEPTED["mesh"])
         found = self._record(node, what, _MESH, "mesh")
         shape: MeshShape = found["file"]
         return replace(shape, pose=self._placed(node, what, found), scale=found.get("scale", shape.scale))

@@ -99,7 +99,7 @@ class RowTable:
         said = self.statements.convention is not None or self.convention_column is not None
         self.plain_table = said and not one and (trace, options.calibration, options.in_convention) == (None,) * 3
         self.plain_table &= self.has_type or not any(sentence.types for sentence in self.sentences)
-        self.plain_table &= far_away(self.statements.base, self.statements.tool) is None
+        self.plain_table &= far_away(self.statements.values) is None
 
     @cached_property
     def plain(self) -> PlainRows:

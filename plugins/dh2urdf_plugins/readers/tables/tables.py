@@ -115,7 +115,7 @@ def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowRea
         field, metres = ("a", row.a) if abs(row.a) >= abs(row.d) else ("d", row.d)
         sizes: dict[str, Any] = {"metres": f"{metres:g}", "length": f"{length:.4g}", "most": f"{MEASURABLE_ARM:g}"}
         reader.add(say("too-long", row.mark, joint=row.joint, field=field, **sizes))
-    if not reader.errors and (notice := size_notice(rows, reader.units, statements.base, statements.tool)):
+    if not reader.errors and (notice := size_notice(rows, reader.units, statements.values)):
         reader.add(notice)
 
 

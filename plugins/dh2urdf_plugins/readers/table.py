@@ -16,7 +16,6 @@ from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
-from dh2urdf_plugins.readers.rows.source import RowSource
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -29,8 +28,9 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import Trace
+    from dh2urdf_plugins.readers.rows.source import RowSource
 
-__all__ = ["CellRow", "TableOptions", "read_table", "read_table_columns"]
+__all__ = ["CellRow", "TableOptions", "read_table"]
 
 
 def read_table(
@@ -68,44 +68,33 @@ def read_table(
     Raises:
         TableError: there is no header, or it is wrong, or a statement about all rows is.
     """
-    return one_by_one(
-        read_table_columns(
-            rows,
-            file,
-            options,
-            name=name,
-            statements=statements,
-            decimal_comma=decimal_comma,
-            notices=notices,
-            trace=trace,
-        )
-    )
+    stem = PurePath(file).stem if name is None else name
+    source = CellRows(rows, decimal_comma=decimal_comma)
+    return one_by_one(read_rows(source, file, options, stem, statements=statements, notices=notices, trace=trace))
 
 
-def read_table_columns(
-    rows: Iterable[CellRow],
+def read_rows(
+    source: RowSource,
     file: str,
     options: TableOptions,
+    name: str,
     *,
-    name: str | None = None,
     statements: Mapping[str, Node] | None = None,
-    decimal_comma: bool = False,
     notices: Iterable[Problem] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
-    """The same as `read_table`, but for manipulators about which there is nothing to say: these come in columns.
+    """The same of rows in a source, but manipulators about which there is nothing to say come in columns.
 
     Raises:
         TableError: as of `read_table`.
     """
     whole = Mark(file=file)
-    source = rows if isinstance(rows, RowSource) else CellRows(rows, decimal_comma=decimal_comma)
     try:
         ignore = ignored_columns(options)
         top = read_top(source, whole, statements, convention=options.convention, ignore=ignore)
     except TableError as error:
         raise TableError(error.problems, [*notices, *error.notices]) from error
-    table = RowTable(Cell(PurePath(file).stem if name is None else name, whole), options, top, source, trace)
+    table = RowTable(Cell(name, whole), options, top, source, trace)
     table.notices += notices
     yield from table.manipulators()
 

@@ -12,18 +12,9 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages
-from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.sources.several import choose
-from dh2urdf_plugins.readers.sources.texts import (
-    TextTable,
-    all_tables,
-    delimiter_of,
-    form_of,
-    grammar_rows,
-    split,
-    tables_of,
-)
+from dh2urdf_plugins.readers.sources.texts import all_tables, delimiter_of, form_of, grammar_rows, tables_of
 from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 
@@ -36,6 +27,7 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import TableText, Trace
     from dh2urdf_plugins.readers.options import TableOptions
+    from dh2urdf_plugins.readers.rows.source import RowSource
 
 FORMS = {".md": "markdown", ".tex": "latex"}
 """The forms that a suffix says; of other files the first lines say it."""
@@ -57,64 +49,51 @@ def read_file_columns(
     path: Path, options: TableOptions, trace: Trace | None = None
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same, most of the manipulators of a CSV file in columns."""
-    from dh2urdf_plugins.readers.table import read_table_columns
+    from dh2urdf_plugins.readers.table import read_rows
 
-    form, lines = _form_of(path, named=bool(options.columns))
+    form = _form_of(path, named=bool(options.columns))
     if form == "yaml":
         from dh2urdf_plugins.readers.sources.documents import read_documents
 
         yield from read_documents(path, options, trace)
-        return
-    if form == "csv" and not options.columns:
-        from dh2urdf_plugins.readers.sources.delimited import CsvRows
-
-        rows = CsvRows(path, options.table_number)
-        yield from read_table_columns(rows, str(path), options, name=path.stem, trace=trace)
-        return
-    if form == "csv" and any(map(delimiter_of, lines)):
-        raise TableError(say("two-headers", Mark(file=str(path)), field="columns"))
-    cells = _rows_of(path, form, options)
-    yield from read_table_columns(cells, str(path), options, name=path.stem, decimal_comma=True, trace=trace)
+    else:
+        yield from read_rows(_rows_of(path, form, options), str(path), options, path.stem, trace=trace)
 
 
-def _form_of(path: Path, *, named: bool = False) -> tuple[str, list[str]]:
-    """The form of a file, and its first lines.
+def _form_of(path: Path, *, named: bool = False) -> str:
+    """The form of a file.
 
     Args:
         path: the file.
         named: whether an option names the columns.
+
+    Raises:
+        TableError: an option names the columns of a CSV file, and its header does.
     """
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
-    suffix = path.suffix.lower()
-    form = FORMS.get(suffix) or form_of(lines)
-    if suffix in (".csv", ".tsv") and (
-        any(map(delimiter_of, lines[:_TOP]))
-        or (form in ("blanks", "listing") and not named and not _has_header(lines, str(path), form))
-    ):
-        form = "csv"  # whose reader says what its header lacks
-    return form, lines
+    form = FORMS.get(path.suffix.lower()) or form_of(lines)
+    if path.suffix.lower() in (".csv", ".tsv") and form != "csv":
+        tables = [] if named or form not in ("blanks", "listing") else all_tables("\n".join(lines), str(path), form)
+        has_header = any(is_header(row) for table in tables for row in table.rows)
+        if any(map(delimiter_of, lines[:_TOP])) or (form in ("blanks", "listing") and not named and not has_header):
+            form = "csv"  # whose reader says what its header lacks
+    if form == "csv" and named and any(map(delimiter_of, lines)):
+        raise TableError(say("two-headers", Mark(file=str(path)), field="columns"))
+    return form
 
 
-def _has_header(lines: list[str], file: str, form: str) -> bool:
-    return any(is_header(row) for table in all_tables("\n".join(lines), file, form) for row in table.rows)
-
-
-def _rows_of(path: Path, form: str, options: TableOptions) -> list[CellRow]:
+def _rows_of(path: Path, form: str, options: TableOptions) -> RowSource:
     """The rows of the one table of a text, from what is around it on."""
+    if form == "csv" and not options.columns:
+        from dh2urdf_plugins.readers.sources.delimited import CsvRows
+
+        return CsvRows(path, options.table_number)
     file = str(path)
     text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
-    tables = [_delimited(text, file)] if form == "csv" else tables_of(text, file, form)
+    tables = all_tables(text, file, form) if form == "csv" else tables_of(text, file, form)
     places = [str(table.rows[0].mark.in_file) for table in tables]
-    return list(grammar_rows(choose(tables, places, options.table_number, path), options.column_names, file))
-
-
-def _delimited(text: str, file: str) -> TextTable:
-    """CSV without a header."""
-    marked = [(Mark(file=file, line=at), line) for at, line in enumerate(text.split("\n"), start=1) if line.strip()]
-    lines = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
-    sign = next((sign for sign in ("\t", ";", ",") if lines and sign in lines[0][1]), ",")
-    around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
-    return TextTable([CellRow(split(line, sign), mark) for mark, line in lines], around)
+    table = choose(tables, places, options.table_number, path)
+    return CellRows(grammar_rows(table, options.column_names, file), decimal_comma=True)
 
 
 _COMMA = re.compile(r"([-+−–]?\d+),(\d+)")
@@ -157,16 +136,7 @@ def _typed(cell: str) -> str:
 def typed_texts(path: Path) -> Iterator[TableText]:
     """The tables of a file as their authors typed them; see `WritesTables.texts`."""
     from dh2urdf_plugins.readers.options import TableOptions
-    from dh2urdf_plugins.readers.sources.csv_texts import texts
+    from dh2urdf_plugins.readers.sources import csv_texts, yaml_texts
 
-    form = _form_of(path)[0]
-    if form == "yaml":
-        from dh2urdf_plugins.readers.sources import yaml_texts as in_yaml
-
-        yield from in_yaml.texts(path)
-    elif form == "csv":
-        from dh2urdf_plugins.readers.sources.delimited import CsvRows
-
-        yield from texts(CsvRows(path), path)
-    else:
-        yield from texts(CellRows(_rows_of(path, form, TableOptions()), decimal_comma=True), path)
+    form = _form_of(path)
+    return yaml_texts.texts(path) if form == "yaml" else csv_texts.texts(_rows_of(path, form, TableOptions()), path)

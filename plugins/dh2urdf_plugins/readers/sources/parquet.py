@@ -18,13 +18,12 @@ from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
-from dh2urdf_plugins.readers.header.header_rows import completed
+from dh2urdf_plugins.readers.header.header_rows import completed, text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.sources.several import choose
-from dh2urdf_plugins.readers.table import one_by_one, read_table_columns
+from dh2urdf_plugins.readers.table import one_by_one, read_rows
 from dh2urdf_plugins.readers.tables.tables import too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
-from dh2urdf_plugins.readers.words.cells import text_of
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED
 
 if TYPE_CHECKING:
@@ -67,14 +66,6 @@ say = Messages(__file__)
 def read_parquet(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a Parquet file.
 
-    Args:
-        path: the file.
-        options: what the table does not say itself.
-        trace: takes what the cells of each manipulator say, where it is wanted.
-
-    Yields:
-        Each manipulator, or what is wrong with it.
-
     Raises:
         TableError: the file is no Parquet file, is broken, or its columns or metadata are wrong.
         MissingDependencyError: pyarrow is not installed.
@@ -103,41 +94,32 @@ def read_columns(
             _refuse_large(file, path, [field.name for field in fields if _is_readable(field)])
         said = _statements(file.metadata.metadata or {}, str(path))
         rows = _ParquetRows(file, fields, str(path))
-        yield from read_table_columns(rows, str(path), options, name=path.stem, statements=said, trace=trace)
+        yield from read_rows(rows, str(path), options, path.stem, statements=said, trace=trace)
 
 
 def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
-    """What the metadata of a file declare about all rows, by key.
+    """What the metadata of a file declare about all rows, by key, and attributes of a data frame (`DataFrame.attrs`).
 
     Raises:
         TableError: a key is unknown or has no prefix, or its value is not YAML.
     """
     said: dict[str, Node] = {}
-    for word, text in metadata.items():
-        name = word.decode(errors="replace")
-        if name == _ATTRIBUTES:
-            said |= _statements(_attributes(text), file)
-            continue
+    texts = {name.decode(errors="replace"): text for name, text in metadata.items()}
+    with suppress(ValueError):
+        attributes = json.loads(texts.pop(_ATTRIBUTES, b"{}"))
+        words = attributes.items() if isinstance(attributes, dict) else ()
+        texts |= {name: (word if isinstance(word, str) else json.dumps(word)).encode() for name, word in words}
+    for name, text in texts.items():
         key = re.sub(r"(?i)^dh2urdf[\W_]+", "", name).casefold()
         if name == f"{METADATA}{key}" and key in STATEMENTS and text.strip():
             said[key] = load_yaml(text, f"{file}, metadata {name}", TableError)
         elif key != name.casefold() or (key in STATEMENTS and key != "name") or key.endswith(("_unit", "_units")):
-            known = [f"{METADATA}{key}" for key in STATEMENTS]
+            known = [f"{METADATA}{each}" for each in STATEMENTS]
             empty, near = "" if text.strip() else ", and its value is empty", did_you_mean(name, known)
             raise TableError(
                 say("unknown-metadata", Mark(file=file), found=name, empty=empty, keys=known, suggestion=near)
             )
     return said
-
-
-def _attributes(text: bytes) -> dict[bytes, bytes]:
-    """The attributes of a data frame (`DataFrame.attrs`) as metadata; none where they are no mapping as JSON."""
-    with suppress(ValueError):
-        found = json.loads(text)
-        if isinstance(found, dict):
-            texts = {key: word if isinstance(word, str) else json.dumps(word) for key, word in found.items()}
-            return {key.encode(): word.encode() for key, word in texts.items()}
-    return {}
 
 
 class _ParquetRows:
@@ -160,7 +142,7 @@ class _ParquetRows:
         marks = [Mark(file=self.path, place=f"column {name}") for name in names]
         headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
         if not any((field := read_header(header).field) and field.name == "joint" for header in headers):
-            labels = [field.name == INDEX and _is_text(field.type) for field in self.fields]  # of a data frame
+            labels = [field.name == INDEX and _kind(field.type) == "text" for field in self.fields]  # of a data frame
             headers = ["joint" if is_label else header for is_label, header in zip(labels, headers, strict=True)]
         yield CellRow(headers, Mark(file=self.path), marks)
 
@@ -170,7 +152,7 @@ class _ParquetRows:
         Raises:
             TableError: the row of units contradicts the header.
         """
-        if not any(_is_text(field.type) for field in self.fields):
+        if not any(_kind(field.type) == "text" for field in self.fields):
             return header
         names = [field.name for field in self.fields if _is_readable(field)]
         mark = Mark(file=self.path, line=1, place="row 1")
@@ -198,7 +180,7 @@ class _ParquetRows:
                 mark = Mark(file=self.path, place=f"column {header}")
                 problems.append(say("column-of-a-kind", mark, field=name, found=str(kind), header=header))
             is_read = kept and _is_readable(self.fields[index])
-            if kept and name and FIELDS[name].dimension and _is_number(kind):
+            if kept and name and FIELDS[name].dimension and _kind(kind) == "number":
                 numbers.add(index)
             self.cells.append(_numbers_of if index in numbers else _texts_of if is_read else None)
             self.constant.append(str(kind) if kept and not is_read else "")
@@ -279,27 +261,25 @@ def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyar
     return f"{name} [{min(units)}]"
 
 
-def _is_text(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
-    """Whether a column holds texts."""
-    return str(kind) in ("string", "large_string", "string_view")
-
-
-def _is_number(kind: Any) -> bool:  # noqa: ANN401 - a type of pyarrow
+def _kind(kind: Any) -> str:  # noqa: ANN401 - a type of pyarrow
+    """What the cells of a column are: ``text``, ``number``, another kind that is read, or nothing."""
     from pyarrow import types
 
     kind = kind.value_type if types.is_dictionary(kind) else kind
-    return bool(types.is_integer(kind) or types.is_floating(kind))
+    if str(kind) in ("string", "large_string", "string_view"):
+        return "text"
+    if types.is_integer(kind) or types.is_floating(kind):
+        return "number"
+    return "other" if types.is_decimal(kind) or types.is_boolean(kind) or types.is_null(kind) else ""
 
 
 def _is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type of pyarrow
-    """Whether a field can be read from a column of a type."""
+    """Whether a field can be read from a column of a type: one of several numbers from lists, too."""
     from pyarrow import types
 
     while field in GROUPS and (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
         kind = kind.value_type
-    kind = kind.value_type if types.is_dictionary(kind) else kind
-    others = (types.is_decimal, types.is_boolean, types.is_null)
-    return _is_text(kind) or _is_number(kind) or any(is_such(kind) for is_such in others)
+    return bool(_kind(kind))
 
 
 def _is_readable(field: Any) -> bool:  # noqa: ANN401 - a field of pyarrow
@@ -319,17 +299,9 @@ def _numbers_of(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of py
 
 
 def _texts_of(array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
-    """The cells of a column as texts."""
-    return [value if type(value) is str else _word(value) for value in array.to_pylist()]
-
-
-def _word(value: Any) -> str:  # noqa: ANN401 - whatever a cell holds
-    """What a cell of a column of words says: ``1`` for 1.0, which a column of whole numbers with gaps holds."""
-    if value is None or value != value:  # noqa: PLR0124 - not a number
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return text_of(value) if isinstance(value, float) else str(value)
+    """The cells of a column as texts: ``1`` for 1.0, which a column of whole numbers with gaps holds."""
+    values = array.to_pylist()
+    return [value if type(value) is str else "" if value != value else text_in(value) for value in values]  # noqa: PLR0124 - not a number
 
 
 # --- What reading would cost ------------------------------------------------------------------------------------------
@@ -344,22 +316,21 @@ def _refuse_large(file: Any, path: Path, names: Collection[str]) -> None:  # noq
         TableError: one of them would.
     """
     shared: dict[str, list[int]] = {}
+
+    def refuse(name: str, size: str, most: str) -> None:
+        mark = Mark(file=str(path), place=f"column {name}")
+        raise TableError(say("large-column", mark, name=name, size=size, most=most))
+
     for group, name, chunk in _chunks(file, names):
         rows, size = file.metadata.row_group(group).num_rows, chunk.total_uncompressed_size
         if size > MAX_UNPACKED or chunk.num_values > _MOST_IN_LIST * rows + _SPARE:
             found = f"{chunk.num_values:,} values, {size / 2**20:,.0f} MiB when unpacked, in {rows:,} rows"
-            most = f"a number or a list of nine in each row, and at most {MAX_UNPACKED / 2**20:,.0f} MiB"
-            raise TableError(say("large-column", _column_mark(path, name), name=name, size=found, most=most))
+            refuse(name, found, f"a number or a list of nine in each row, and at most {MAX_UNPACKED / 2**20:,.0f} MiB")
         if size > _SMALL and chunk.physical_type == "BYTE_ARRAY" and any("DICT" in each for each in chunk.encodings):
             shared.setdefault(name, []).append(group)
     for name, groups in shared.items():
         if (longest := _longest_text(path, name, groups)) > MAX_CELL:
-            size, most = f"a text of {longest:,} bytes", f"at most {MAX_CELL:,} bytes in a cell"
-            raise TableError(say("large-column", _column_mark(path, name), name=name, size=size, most=most))
-
-
-def _column_mark(path: Path, name: str) -> Mark:
-    return Mark(file=str(path), place=f"column {name}")
+            refuse(name, f"a text of {longest:,} bytes", f"at most {MAX_CELL:,} bytes in a cell")
 
 
 def _chunks(file: Any, names: Collection[str]) -> Iterator[tuple[int, str, Any]]:  # noqa: ANN401

@@ -181,15 +181,15 @@ class SheetRows:
         """A notice of hidden rows and columns, which are read as all others."""
         header = self.headers[0] if self.headers else CellRow([], Mark(file=str(self.path)))
         rows = [number for number in sorted(self.filled) if number >= (header.mark.line or 0)]
-        rows = [number for number in rows if _is_hidden(self.layout.row_dimensions[str(number)])]
+        found = [f"row {row}" for row in rows if _is_hidden(self.layout.row_dimensions[str(row)])]
         columns = [each for each in self.layout.column_dimensions.values() if _is_hidden(each)]
-        named = [index for index, cell in enumerate(header.cells, start=1) if cell is not None]
-        out = [k for k in named if any(int(each["min"]) <= k <= int(each["max"]) for each in columns)]
-        found = [*(f"row {row}" for row in rows), *(f"column {get_column_letter(column)}" for column in out)]
+        for index, cell in enumerate(header.cells, start=1):
+            if cell is not None and any(int(each["min"]) <= index <= int(each["max"]) for each in columns):
+                found.append(f"column {get_column_letter(index)}")
         place = Mark(file=str(self.path), place=self.title)
         return [say("hidden-cells", place, hidden=listed(found, _FEW))] if found else []
 
-    def _value(self, cell: dict[str, Any]) -> Value:
+    def _value(self, cell: dict[str, Any]) -> Value:  # noqa: PLR0911 - one for each kind of value
         """What a cell holds, and the unit that it shows."""
         value, kind = cell["value"], cell["data_type"]
         mark = cell_mark(str(self.path), self.title, cell["row"], cell["column"])
@@ -205,17 +205,14 @@ class SheetRows:
         if not isinstance(value, int | float):
             what = next((words for kind, words in _MOMENTS.items() if isinstance(value, kind)), type(value).__name__)
             return say("moment-in-a-cell", mark, found=str(value), kind=what)
-        return self._number(value, styled.number_format or "General", mark)
-
-    @staticmethod
-    def _number(value: float, number_format: str, mark: Mark) -> Value:
-        """A number, or a text where it has a unit or is no double."""
-        text = text_of(float(value)) if abs(value) <= _EXACT else str(value)
+        # A number, or a text where it has a unit or is no double.
+        number_format, is_double = styled.number_format or "General", abs(value) <= _EXACT
+        text = text_of(float(value)) if is_double else str(value)
         try:
             unit = shown_unit(number_format, negative=value < 0, zero=value == 0)
         except ShownOtherwiseError as error:
             return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
-        return f"{text} {unit}" if unit else float(value) if abs(value) <= _EXACT else text
+        return f"{text} {unit}" if unit else float(value) if is_double else text
 
 
 def _is_hidden(dimension: dict[str, str]) -> bool:

@@ -162,7 +162,7 @@ def tables_of(text: str, file: str, form: str) -> list[TextTable]:
 
 
 def all_tables(text: str, file: str, form: str) -> list[TextTable]:
-    """The tables of a text of some form, but ``csv`` and ``yaml``."""
+    """The tables of a text of some form but ``yaml``; of ``csv``, the one without a header."""
     lines = text.split("\n")
     match form:
         case "latex":
@@ -171,6 +171,8 @@ def all_tables(text: str, file: str, form: str) -> list[TextTable]:
             found = list(_markdown(lines, file))
         case "listing":
             found = list(_listing(text, file))
+        case "csv":
+            found = [_delimited(lines, file)]
         case _:
             found = [_blanks(lines, file)]
     return [table for table in found if table.rows]
@@ -260,6 +262,15 @@ def _row(cells: Sequence[str], mark: Mark) -> CellRow:
 
 
 # --- Forms ------------------------------------------------------------------------------------------------------------
+
+
+def _delimited(lines: Sequence[str], file: str) -> TextTable:
+    """CSV without a header."""
+    marked = [(Mark(file=file, line=at), line) for at, line in enumerate(lines, start=1) if line.strip()]
+    cells = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
+    sign = next((sign for sign in ("\t", ";", ",") if cells and sign in cells[0][1]), ",")
+    around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
+    return TextTable([CellRow(split(line, sign), mark) for mark, line in cells], around)
 
 
 def _markdown(lines: Sequence[str], file: str) -> Iterator[TextTable]:

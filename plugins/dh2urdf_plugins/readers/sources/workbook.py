@@ -36,14 +36,6 @@ say = Messages(__file__)
 def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a workbook: those of every sheet that holds a table and is not hidden.
 
-    Args:
-        path: the file.
-        options: what the workbook does not say itself, and which sheet is read.
-        trace: takes what the cells of each manipulator say, where it is wanted.
-
-    Yields:
-        Each manipulator, or what is wrong with it.
-
     Raises:
         TableError: the file is no workbook, holds no table, or its one table has no header that can be read.
         MissingDependencyError: openpyxl is not installed.
@@ -58,13 +50,17 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
     book, sheets = open_sheets(path)
     try:
         tables, notices = _tables(path, sheets, options.sheet)
-        chosen = options.table_number and _chosen(tables, options.table_number, path)
-        for table in tables if not chosen else [chosen[0]]:
-            name = path.stem if chosen or len(tables) == 1 else table.title
+        found = [(table, at) for table in tables for at in range(1, len(table.headers) + 1)]
+        if options.table_number is not None:
+            table, number = _chosen(found, options.table_number, path)
+            tables = [table]
+        for table in tables:
+            name = path.stem if len(tables) == 1 else table.title
             try:
-                number = chosen[1] if chosen else _chosen([table], None, path)[1]
-                rows = one_table(table, number) if len(table.headers) > 1 else table
-                said = [*notices, *table.hidden()]
+                if options.table_number is None:
+                    own = [each for each in found if each[0] is table]  # none: the reader of tables says what it lacks
+                    number = _chosen(own, None, path)[1] if own else 1
+                rows, said = one_table(table, number) if len(table.headers) > 1 else table, [*notices, *table.hidden()]
                 yield from read_table(
                     rows, str(path), options, name=name, decimal_comma=True, notices=said, trace=trace
                 )
@@ -78,6 +74,11 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
         book.close()
 
 
+def _chosen(found: Sequence[tuple[SheetRows, int]], number: int | None, path: Path) -> tuple[SheetRows, int]:
+    """The sheet that has the table that is meant, and the table's number on it."""
+    return choose(found, [str(table.headers[at - 1].mark.in_file) for table, at in found], number, path)
+
+
 def _tables(path: Path, sheets: Sequence[Any], wanted: str | None) -> tuple[list[SheetRows], list[Problem]]:
     """The sheets to read, and notices of the others.
 
@@ -86,39 +87,22 @@ def _tables(path: Path, sheets: Sequence[Any], wanted: str | None) -> tuple[list
     """
     from dh2urdf_plugins.readers.sources.sheets import SheetRows
 
-    mark = Mark(file=str(path))
+    mark, titles = Mark(file=str(path)), [sheet.title for sheet in sheets]
     if wanted is not None:
-        by_title = {sheet.title.casefold(): sheet for sheet in sheets}
+        by_title = {title.casefold(): sheet for title, sheet in zip(titles, sheets, strict=True)}
         if sheet := by_title.get(wanted.casefold()):
             return [SheetRows(sheet, path)], []
-        titles = [sheet.title for sheet in sheets]
         near = next((title for title in titles if did_you_mean(wanted, [title.casefold()])), None)
-        advice = f"did you mean {near!r}?" if near else None
-        raise TableError(
-            say("no-such-sheet", mark, field="sheet", found=wanted, titles=_listed(titles), suggestion=advice)
-        )
+        about = {"found": wanted, "titles": _listed(titles), "suggestion": near and f"did you mean {near!r}?"}
+        raise TableError(say("no-such-sheet", mark, field="sheet", **about))
     hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible"]
     tables = [SheetRows(sheet, path) for sheet in sheets if sheet.sheet_state == "visible"]
     found = [table for table in tables if table.headers] or (tables if len(tables) == 1 else [])
     if not found:
         advice = f"`--sheet NAME` reads one that is hidden: {_listed(hidden)}" if hidden else None
-        visible = _listed([table.title for table in tables])
-        raise TableError(
-            say("no-sheet-with-a-table" if tables else "no-sheet", mark, titles=visible, suggestion=advice)
-        )
+        code, visible = "no-sheet-with-a-table" if tables else "no-sheet", _listed([table.title for table in tables])
+        raise TableError(say(code, mark, titles=visible, suggestion=advice))
     return found, [say("hidden-sheets", mark, titles=_listed(hidden))] if hidden else []
-
-
-def _chosen(tables: Sequence[SheetRows], number: int | None, path: Path) -> tuple[SheetRows, int]:
-    """The sheet that has the table that is meant, and the table's number on it.
-
-    Raises:
-        TableError: there is none, or which of several is not said.
-    """
-    found = [(table, at) for table in tables for at in range(1, len(table.headers) + 1)]
-    if number is None and len(found) <= 1:  # of a sheet without a header the reader of tables says what it lacks
-        return tables[0], 1
-    return choose(found, [str(table.headers[at - 1].mark.in_file) for table, at in found], number, path)
 
 
 def _listed(titles: Sequence[str]) -> str:
@@ -142,25 +126,27 @@ def check_workbook(path: Path) -> None:
         raise TableError(say("no-workbook", mark, kind=kind, suggestion=advice))
     try:
         with zipfile.ZipFile(path) as archive:
-            _check_parts(mark, archive)
+            if problem := _fault(mark, archive):
+                raise TableError(problem)
     except BROKEN_ARCHIVE as error:
         raise TableError(say("broken-archive", mark, reason=str(error) or type(error).__name__)) from error
 
 
-def _check_parts(mark: Mark, archive: zipfile.ZipFile) -> None:
-    parts = archive.infolist()
-    names = {part.filename for part in parts}
-    if "[Content_Types].xml" not in names or "xl/workbook.bin" in names:
-        raise TableError(say("other-archive", mark))
-    if "xl/workbook.xml" in names and _STRICT in archive.open("xl/workbook.xml").read(_PROLOG):
-        raise TableError(say("strict-workbook", mark))
-    size = sum(part.file_size for part in parts)
-    if size > MAX_UNPACKED or len(parts) > MAX_PARTS:
-        found = f"{size / 2**20:,.0f} MiB in {len(parts):,} parts"
+def _fault(mark: Mark, archive: zipfile.ZipFile) -> Problem | None:
+    """Why an archive is not read; None where it is a workbook."""
+    parts = {part.filename: part for part in archive.infolist()}
+    if "[Content_Types].xml" not in parts or "xl/workbook.bin" in parts:
+        return say("other-archive", mark)
+    if "xl/workbook.xml" in parts and _STRICT in archive.open("xl/workbook.xml").read(_PROLOG):
+        return say("strict-workbook", mark)
+    size, count = sum(part.file_size for part in archive.infolist()), len(archive.infolist())
+    if size > MAX_UNPACKED or count > MAX_PARTS:
+        found = f"{size / 2**20:,.0f} MiB in {count:,} parts"
         most = f"at most {MAX_UNPACKED / 2**20:,.0f} MiB in {MAX_PARTS:,} parts"
-        raise TableError(say("large-workbook", mark, size=found, limit=most))
-    for part in parts:
+        return say("large-workbook", mark, size=found, limit=most)
+    for part in archive.infolist():
         if part.filename.endswith((".xml", ".rels")):
             with archive.open(part) as content:
                 if b"<!DOCTYPE" in content.read(_PROLOG).replace(b"\0", b""):
-                    raise TableError(say("workbook-with-entities", mark, part=part.filename))
+                    return say("workbook-with-entities", mark, part=part.filename)
+    return None

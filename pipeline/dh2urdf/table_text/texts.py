@@ -6,17 +6,17 @@ import math
 import os
 import re
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
-from dh2urdf.rotations import IDENTITY, NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
+from dh2urdf.rotations import NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
 from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import FIELDS, MESHES, TableText
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Mapping
     from pathlib import Path
 
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
@@ -55,11 +55,11 @@ def table_text(
             angle,
             mass=manipulator.base_mass,
             geometry=manipulator.base_geometry,
-            others=[f"{key}: {mesh}" for key, mesh in _meshes(manipulator, length, angle, folder, "base_").items()],
+            others=_meshes(manipulator, length, angle, folder, "base_"),
         ),
         tool=transform_text(manipulator.tool, length, angle),
-        payload=_payload(manipulator.payload, length),
-        defaults=_mapping(_geometry(manipulator.geometry, length), _number_entry("density", manipulator.density)),
+        payload=_flow(_payload(manipulator.payload, length)),
+        defaults=_flow({"geometry": _geometry(manipulator.geometry, length), "density": manipulator.density}),
         visuals=_drawn(manipulator.visuals),
         collisions=_drawn(manipulator.collisions),
         rows=tuple(
@@ -76,7 +76,7 @@ def transform_text(
     *,
     mass: float | None = None,
     geometry: LinkGeometry | None = None,
-    others: Sequence[str] = (),
+    others: Mapping[str, str] | None = None,
 ) -> str:
     """A rigid transform as YAML in one line, as tables have it; empty where there is nothing to say.
 
@@ -86,21 +86,29 @@ def transform_text(
         angle: the unit of angles.
         mass: mass of the base's body [kg].
         geometry: shape of the base's body.
-        others: further entries of the mapping, as YAML.
+        others: further entries of the mapping, as YAML by key.
     """
-    body = [_number_entry("mass", mass), _geometry(geometry, length), *others]
-    if transform == IDENTITY:
-        return _mapping(*body)
+    body = {"mass": mass, "geometry": _geometry(geometry, length), **(others or {})}
     xyz, rpy = transform.translation, _exact_rpy(transform)
     if rpy is None:
-        matrix = _matrix(transform, length)
-        return _mapping(f"matrix: {matrix}", *body) if any(body) else matrix
-    entries = []
-    if any(xyz):
-        entries.append(f"xyz: [{', '.join(number_in(value, length) for value in xyz)}]")
-    if any(rpy):
-        entries.append(f"rpy: [{', '.join(number_in(value, angle) for value in rpy)}]")
-    return _mapping(*entries, *body)
+        (r, _), last = transform, ["0", "0", "0", "1"]
+        rows = [[*r[3 * row : 3 * row + 3], number_in(xyz[row], length)] for row in range(3)]
+        return _flow({"matrix": [*rows, last], **body} if _flow(body) else [*rows, last])
+    placed = {
+        "xyz": [number_in(value, length) for value in xyz] if any(xyz) else None,
+        "rpy": [number_in(value, angle) for value in rpy] if any(rpy) else None,
+    }
+    return _flow(placed | body)
+
+
+def _flow(value: Any) -> str:  # noqa: ANN401 - mappings and lists of numbers and of texts
+    """A value as YAML in one line: of mappings the entries that say something, and texts as they are."""
+    if isinstance(value, dict):
+        entries = ", ".join(f"{key}: {text}" for key, item in value.items() if (text := _flow(item)))
+        return f"{{{entries}}}" if entries else ""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_flow, value))}]"
+    return "" if value is None else value if isinstance(value, str) else format_number(value)
 
 
 def _exact_rpy(transform: RigidTransform) -> Vec3 | None:
@@ -122,17 +130,6 @@ def _same_rpy(rpy: Vec3) -> list[Vec3]:
             first = math.remainder(roll + math.copysign(1.0, pitch) * (other - yaw), math.tau)
             found += [(first, pitch, other), (round(first, _YAW_PLACES), pitch, other)]
     return found
-
-
-def _matrix(transform: RigidTransform, length: Unit) -> str:
-    """A rigid transform as four rows of four numbers."""
-    r, t = transform
-    rows = [[*map(format_number, r[3 * row : 3 * row + 3]), number_in(t[row], length)] for row in range(3)]
-    return f"[{', '.join(f'[{_listed(row)}]' for row in (*rows, ['0', '0', '0', '1']))}]"
-
-
-def _listed(words: Iterable[str]) -> str:
-    return ", ".join(words)
 
 
 def dimension_of(field: str, kind: JointType) -> Dimension | None:
@@ -183,54 +180,42 @@ def _values(row: DHRow) -> dict[str, float | None]:
     return values
 
 
-def _geometry(geometry: LinkGeometry | None, length: Unit) -> str:
-    if geometry is None or (geometry.shape is None and geometry.radius is None):
-        return ""
-    shape = f"shape: {yaml_word(geometry.shape)}" if geometry.shape is not None else ""
-    radius = f"radius: {number_in(geometry.radius, length)}" if geometry.radius is not None else ""
-    return f"geometry: {_mapping(shape, radius)}"
+def _geometry(geometry: LinkGeometry | None, length: Unit) -> dict[str, str | None]:
+    if geometry is None:
+        return {}
+    radius = None if geometry.radius is None else number_in(geometry.radius, length)
+    return {"shape": geometry.shape, "radius": radius}
 
 
-def _payload(payload: Payload | None, length: Unit) -> str:
+def _payload(payload: Payload | None, length: Unit) -> dict[str, Any]:
     if payload is None:
-        return ""
-    com = f"com: [{', '.join(number_in(value, length) for value in payload.com)}]" if any(payload.com) else ""
+        return {}
+    com = [number_in(value, length) for value in payload.com] if any(payload.com) else None
     tensor = {name: getattr(payload.inertia, name) for name in INERTIA} if payload.inertia else {}
     # With its unit: beside lengths in mm, a bare number is refused.
-    said = (f"{name}: {format_number(value)} kg·m²" for name, value in tensor.items() if value or name in INERTIA[:3])
-    return _mapping(f"mass: {format_number(payload.mass)}", com, f"inertia: {_mapping(*said)}" if tensor else "")
-
-
-def _number_entry(key: str, value: float | None) -> str:
-    return f"{key}: {format_number(value)}" if value is not None else ""
+    kept = {name: value for name, value in tensor.items() if value or name in INERTIA[:3]}
+    inertia = {name: f"{format_number(value)} kg·m²" for name, value in kept.items()}
+    return {"mass": payload.mass, "com": com, "inertia": inertia}
 
 
 def _meshes(
     record: DHRow | Manipulator, length: Unit, angle: Unit, folder: Path | None, prefix: str = ""
 ) -> dict[str, str]:
-    """The meshes of a link or of the base as YAML, by key."""
-    shapes: dict[str, MeshShape | None] = {key: getattr(record, prefix + key) for key in MESHES}
-    return {key: _mesh(shape, length, angle, folder) for key, shape in shapes.items() if shape is not None}
-
-
-def _mesh(shape: MeshShape, length: Unit, angle: Unit, folder: Path | None) -> str:
-    """The mesh of a link as YAML in one line."""
-    path = shape.file.path
-    if folder is not None and os.path.commonpath([path, folder.absolute()]) != os.sep:
-        path = os.path.relpath(path, folder)
-    entries = [f"file: {yaml_word(path)}"]
-    if shape.scale != (1.0, 1.0, 1.0):
-        entries.append(f"scale: [{_listed(map(format_number, shape.scale))}]")
-    return transform_text(shape.pose, length, angle, others=entries)
+    """The meshes of a link or of the base as YAML in one line, by key."""
+    found = {}
+    for key in MESHES:
+        shape: MeshShape | None = getattr(record, prefix + key)
+        if shape is not None:
+            path, scale = shape.file.path, [*shape.scale]
+            if folder is not None and os.path.commonpath([path, folder.absolute()]) != os.sep:
+                path = os.path.relpath(path, folder)
+            entries = {"file": yaml_word(path)} | ({} if scale == [1.0, 1.0, 1.0] else {"scale": _flow(scale)})
+            found[key] = transform_text(shape.pose, length, angle, others=entries)
+    return found
 
 
 def _drawn(whether: bool | None) -> str:  # noqa: FBT001 - a field of three values
     return "" if whether is None else "all" if whether else "none"
-
-
-def _mapping(*entries: str) -> str:
-    said = ", ".join(entry for entry in entries if entry)
-    return f"{{{said}}}" if said else ""
 
 
 _PLAIN_WORD = r"[A-Za-z0-9_.π°√][A-Za-z0-9_.+*/()π°√ -]*(?<! )|-[A-Za-z0-9_.(π√][A-Za-z0-9_.+*/()π°√ -]*(?<! )"

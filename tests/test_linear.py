@@ -16,8 +16,7 @@ import pytest
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.models import inspect_mjcf, inspect_sdf
-from dh2urdf_plugins.formats.mjcf.reader import read_model as read_mjcf
-from dh2urdf_plugins.formats.sdf.reader import read_model as read_sdf
+from dh2urdf_plugins.formats import foreign_mjcf as read_mjcf, foreign_sdf as read_sdf
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign

@@ -19,16 +19,14 @@ from dh2urdf_check.finders import Document, text_of
 from dh2urdf_check.numbers import mujoco_numbers
 from dh2urdf_check.rules import Rule, rules_of, unread_include
 from dh2urdf_check.shapes import is_found_by_pybullet
+from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf
 from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
-from dh2urdf_plugins.formats.mjcf.reader import read_model as read_mjcf
-from dh2urdf_plugins.formats.sdf.reader import read_model as read_sdf
 from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
     from dh2urdf.stages import Expansion
-    from dh2urdf_plugins.formats.xml_files import Model
 
 CONSUMERS = {
     "sdf": {"gazebo": "Gazebo: sdformat", "drake": "Drake", "pybullet": "PyBullet"},
@@ -55,7 +53,7 @@ def inspect_sdf(path: Path, _expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    return _inspected(path, "sdf", "sdf", read_sdf)
+    return _inspected(path, "sdf", "sdf", foreign_sdf)
 
 
 def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
@@ -64,10 +62,10 @@ def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read.
     """
-    return _inspected(path, "mjcf", "mujoco", read_mjcf)
+    return _inspected(path, "mjcf", "mujoco", foreign_mjcf)
 
 
-def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Model]) -> Inspection:
+def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Any]) -> Inspection:
     """Findings about a model whose outermost element is to be `tag`."""
     content = read_bytes(path, InputError, limit=LARGEST)
     try:

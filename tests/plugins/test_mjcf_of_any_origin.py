@@ -11,7 +11,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf_plugins.descriptions.foreign import foreign_mjcf
+from dh2urdf_plugins.formats import foreign_mjcf
 
 if TYPE_CHECKING:
     from pathlib import Path

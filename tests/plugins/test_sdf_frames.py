@@ -12,8 +12,8 @@ import dh2urdf
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf_plugins.descriptions.foreign import foreign_sdf
-from dh2urdf_plugins.formats.sdf.reader import parse_sdf, read_model
+from dh2urdf_plugins.formats import foreign_sdf
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -82,7 +82,7 @@ CASES = {
 def test_everything_is_where_drake_has_it(tmp_path: Path, case: str) -> None:
     path = tmp_path / "m.sdf"
     path.write_text(CASES[case])
-    frame, robot = drake_frames(path), read_model(path).robot
+    frame, robot = drake_frames(path), foreign_sdf(path).robot
     names = [link.name for link in robot.links if link.name.rpartition("::")[2] in {"a", "b", "c", "tip"}]
     base = next(name for name in names if name.endswith("a"))
     tip = next(name for name in reversed(names) if name.endswith(("tip", "b")))

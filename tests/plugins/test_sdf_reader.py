@@ -13,8 +13,8 @@ from dh2urdf.kinematics import KinematicChain, link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf_plugins.descriptions.foreign import foreign_sdf
-from dh2urdf_plugins.formats.sdf.reader import parse_sdf, read_model, read_sdf
+from dh2urdf_plugins.formats import foreign_sdf
+from dh2urdf_plugins.formats.sdf.reader import parse_sdf, read_sdf
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -106,7 +106,7 @@ def test_what_versions_and_makers_write_is_where_drake_has_it(tmp_path: Path, ca
     """Each was read as another arm, or lost a joint, or was refused."""
     path = tmp_path / "m.sdf"
     path.write_text(OTHERS[case].replace("<axis><xyz>0 0 1</xyz>{}", "<axis><xyz>0 0 1</xyz>"))
-    frame, robot = drake_frames(path), read_model(path).robot
+    frame, robot = drake_frames(path), foreign_sdf(path).robot
     links = [link.name for link in robot.links if link.name in {"a", "b", "n::c", "n::deep::b"}]
     for value in (0.0, 0.4, -0.7):
         poses = {name: as_matrices(pose) for name, pose in link_poses(robot, {"j": value}).items()}

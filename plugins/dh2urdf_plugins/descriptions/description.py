@@ -17,7 +17,7 @@ from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
-from dh2urdf.stages.foreign_robot import Follower
+from dh2urdf.stages.foreign_robot import Follower, ForeignRobot
 from dh2urdf_plugins.formats.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.formats.sdf import reader as sdf_reader
@@ -127,6 +127,16 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
         problems = getattr(error, "problems", None) or (say("record-refused", reason=error),)
         raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
     return found
+
+
+def foreign_robot(form: str, path: Path, expansion: Expansion | None = None) -> ForeignRobot:
+    """The robot of a file, as `dh2urdf view` shows it: with colours, and joints that follow others.
+
+    Floating and planar joints are fixed, a URDF needs no name, and a colour that is defined nowhere is none.
+    """
+    found = describe(form, path, expansion, colours=True)
+    parts = {name: getattr(found, name) for name in ("robot", "followers", "loose", "folder")}
+    return ForeignRobot(**parts, notices=tuple(found.notices))
 
 
 def _notices(unread: Iterable[Unread]) -> list[Problem]:

@@ -5,6 +5,7 @@ The functions here are those that the records of the stages name; they are impor
 
 from __future__ import annotations
 
+from functools import partial
 from importlib.util import find_spec
 
 from dh2urdf.stages import Checks
@@ -17,9 +18,10 @@ read_foreign_xacro = Late(f"{__name__}.xacro.reader:read_foreign_xacro")
 read_sdf = Late(f"{__name__}.sdf.reader:read_sdf")
 read_mjcf = Late(f"{__name__}.mjcf.reader:read_mjcf")
 
-_FOREIGN = "dh2urdf_plugins.descriptions.foreign:foreign_"
-foreign_urdf, foreign_xacro = Late(f"{_FOREIGN}urdf"), Late(f"{_FOREIGN}xacro")
-foreign_sdf, foreign_mjcf = Late(f"{_FOREIGN}sdf"), Late(f"{_FOREIGN}mjcf")
+foreign_urdf, foreign_xacro, foreign_sdf, foreign_mjcf = (
+    partial(Late("dh2urdf_plugins.descriptions.description:foreign_robot"), form)
+    for form in ("urdf", "xacro", "sdf", "mjcf")
+)
 
 
 def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool = False) -> tuple[Checks, ...]:

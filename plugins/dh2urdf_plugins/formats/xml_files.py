@@ -13,14 +13,14 @@ from lxml import etree
 
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import Dh2UrdfError, ProofError
-from dh2urdf.manipulator import JointType, new_limits
-from dh2urdf.robot import Cylinder, Joint, Origin, Sphere, new_collision, new_visual
+from dh2urdf.manipulator import JOINT_TYPES, JointType, new_limits
+from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Origin, Sphere, new_collision, new_visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Collision, Geometry, Material, Robot, Visual
@@ -32,6 +32,8 @@ T = TypeVar("T")
 D = TypeVar("D")
 BOUNDS = ("lower", "upper")
 """The limits between which a joint moves."""
+ACCEPTED = ", ".join(JOINT_TYPES)
+"""The types of joints that tables have."""
 LARGEST = 2**26
 """Size of a robot description that is read, and of each file that it includes [B]."""
 PASSED_OVER = frozenset(
@@ -46,16 +48,17 @@ FILE = "{urn:dh2urdf}file"
 """An attribute of an element that is in another file than the element around it: its path."""
 
 
-def content_of(path: Path) -> bytes:
-    """The bytes of a file.
+def read_file(parse: Callable[[bytes, str], Robot], path: Path) -> Robot:
+    """The robot of a file, by what parses a text under the name of its file.
 
     Raises:
-        ProofError: the file cannot be read.
+        ProofError: the file cannot be read, or is not the description of a robot.
     """
     try:
-        return path.read_bytes()
+        content = path.read_bytes()
     except OSError as error:
         raise ProofError(say("description-unreadable", Mark(file=str(path)), reason=error.strerror)) from error
+    return parse(content, str(path))
 
 
 def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
@@ -147,12 +150,14 @@ class FileElements:
     Attributes:
         file: what messages call the file.
         unread: what is in the file and could not be read.
+        loose: the types of joints that no table has, by name.
         faulty: by name, what is wrong with joints.
     """
 
     def __init__(self, file: str) -> None:
         self.file = file
         self.unread: list[Unread] = []
+        self.loose: dict[str, str] = {}
         self.faulty: dict[str, Unread] = {}
 
     def mark(self, element: etree._Element) -> Mark:
@@ -236,6 +241,55 @@ class FileElements:
         collisions = [one for each in link.iterchildren("collision") for one in self.part(each, touching, ())]
         return {"visuals": tuple(visuals), "collisions": tuple(collisions)}
 
+    def parts(
+        self,
+        shape: etree._Element,
+        origin: Origin,
+        numbers: Callable[[str, int], Sequence[float]],
+        filename: Callable[[], str],
+    ) -> Iterator[tuple[Geometry, Origin]]:
+        """The parts of a shape, and where they are in the link; of one that no robot has, none.
+
+        Args:
+            shape: the element of it.
+            origin: where it is in the link.
+            numbers: reads some numbers of it by their name and count.
+            filename: reads the file of a mesh.
+        """
+        match str(shape.tag):
+            case "box":
+                x, y, z = numbers("size", 3)
+                yield Box(size=(x, y, z)), origin
+            case "cylinder":
+                (radius,), (length,) = numbers("radius", 1), numbers("length", 1)
+                yield Cylinder(radius=radius, length=length), origin
+            case "capsule":
+                (radius,), (length,) = numbers("radius", 1), numbers("length", 1)
+                for geometry, within in capsule(radius, length):
+                    yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
+            case "sphere":
+                yield Sphere(radius=numbers("radius", 1)[0]), origin
+            case "mesh":
+                x, y, z = numbers("scale", 3)
+                yield Mesh(filename=filename(), scale=(x, y, z)), origin
+            case tag:
+                self.not_read(shape, f"a shape {shown(tag)}")
+
+    def kind(self, joint: etree._Element, word: str, loose: Collection[str]) -> JointType:
+        """The type of a joint; one that no table has is fixed.
+
+        Args:
+            joint: the element of it.
+            word: its type as it is written.
+            loose: the types that no table has.
+        """
+        if word in loose:
+            self.loose[joint.get("name", "")] = word
+            return JointType.FIXED
+        if word not in JOINT_TYPES:
+            raise self.error(joint, "joint-type-foreign", type=word, accepted=ACCEPTED)
+        return JOINT_TYPES[word]
+
     def joint(
         self, element: etree._Element, name: str, parent: str, child: str, read: Callable[[etree._Element], Joint]
     ) -> Joint:
@@ -274,10 +328,6 @@ class FileElements:
         limits = new_limits(**{field: found.pop(field) for field in LIMITS})
         return {"limits": limits, **found}
 
-    def not_of_a_manipulator(self, element: etree._Element, kind: str, accepted: str) -> ProofError:
-        """What is wrong with a joint of a type that is not one of a manipulator."""
-        return self.error(element, "joint-type-foreign", type=kind, accepted=accepted)
-
 
 class Model(NamedTuple):
     """What is in an SDF or an MJCF.
@@ -300,7 +350,7 @@ class Model(NamedTuple):
     mimics: Mapping[str, etree._Element] = MappingProxyType({})
     references: Mapping[str, float] = MappingProxyType({})
 
-    def whole(self, accepted: str) -> Robot:
+    def whole(self, accepted: str = ACCEPTED) -> Robot:
         """The robot, of which nothing was left out.
 
         Args:

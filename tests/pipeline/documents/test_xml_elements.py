@@ -11,7 +11,7 @@ from dh2urdf.documents.xml_elements import ForbiddenXmlError, xml_root
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.meshes import load_scene
 from dh2urdf_check.inspection import inspect_urdf
-from dh2urdf_plugins.descriptions.foreign import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
+from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.stages.foreign_robot import Follower, following, with_followers
-from dh2urdf_plugins.descriptions.foreign import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
+from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
 if TYPE_CHECKING:
     from pathlib import Path

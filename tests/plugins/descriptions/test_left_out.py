@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import dh2urdf
-from dh2urdf_plugins.descriptions.foreign import foreign_urdf
+from dh2urdf_plugins.formats import foreign_urdf
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -19,7 +19,7 @@ from dh2urdf.errors import CrashError, InputError, ProofError, TableError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.stages import Expansion
 from dh2urdf_check.inspection import inspect_xacro
-from dh2urdf_plugins.descriptions.foreign import foreign_xacro
+from dh2urdf_plugins.formats import foreign_xacro
 from dh2urdf_plugins.formats.xacro.reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 

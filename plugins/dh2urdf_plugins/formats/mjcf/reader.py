@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.kinematics.mass import rotated
-from dh2urdf.manipulator import WORLD, Inertia, JointType, Limits
+from dh2urdf.manipulator import WORLD, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (
     IDENTITY,
@@ -31,10 +31,11 @@ from dh2urdf.rotations import (
     rotate,
     scale,
 )
+from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
 from dh2urdf_plugins.formats.mjcf.shapes import Shapes, mass_of_shapes
-from dh2urdf_plugins.formats.xml_files import Model, content_of, fixed, mark_of, tree_of, written_tree_of
+from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, mark_of, read_file, tree_of, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -54,15 +55,6 @@ _LOOSE = {"ball": "ball", "free": "floating"}
 """Joints that no table has, by their names in MJCF: as other formats call them."""
 
 
-def read_mjcf(path: Path) -> Robot:
-    """The robot of an MJCF file.
-
-    Raises:
-        ProofError: the file cannot be read, or is not the MJCF of a manipulator.
-    """
-    return parse_mjcf(content_of(path), str(path))
-
-
 def parse_mjcf(content: bytes, file: str) -> Robot:
     """The robot of an MJCF text; `file` is what messages call it.
 
@@ -72,13 +64,8 @@ def parse_mjcf(content: bytes, file: str) -> Robot:
     return model_of(written_tree_of(content, file, is_deep=True), file).whole("hinge, slide")
 
 
-def read_model(path: Path) -> Model:
-    """The model of an MJCF file of any origin, and of the files that it includes.
-
-    Raises:
-        ProofError: one of them cannot be read, or they are not the MJCF of a robot.
-    """
-    return model_of(whole_tree_of(content_of(path), path), str(path))
+read_mjcf = partial(read_file, parse_mjcf)
+"""The robot of an MJCF file."""
 
 
 def whole_tree_of(content: bytes, path: Path) -> etree._Element:
@@ -119,7 +106,6 @@ class _Reader(Elements):
             mark = self.mark(root.findall("compiler")[-1])
             raise ProofError(say("coordinates-not-local", mark, found=f"coordinate={where}"))
         self._shapes = Shapes(self)
-        self._loose: dict[str, str] = {}
         self._references: dict[str, float] = {}
 
     def model(self) -> Model:
@@ -155,7 +141,7 @@ class _Reader(Elements):
             if constraint.tag in _HOLDING_BODIES:
                 doubly |= {names[body] for body in self._looped(constraint, named)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
-        return Model(robot, self._loose, self.unread, self.faulty, doubly, references=self._references)
+        return Model(robot, self.loose, self.unread, self.faulty, doubly, references=self._references)
 
     def _looped(
         self, constraint: etree._Element, named: Mapping[tuple[str, str | None], etree._Element]
@@ -210,7 +196,7 @@ class _Reader(Elements):
             back = _moved(kind, axis, -unit * value)
             child = name if number == len(moving) and anchor == ZERO else f"{name} after joint {number}"
             origin = pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back
-            numbers = self._numbers_of_joint(element, attributes, kind, unit)
+            numbers = self._numbers(element, attributes, kind, unit)
             joint = Joint(
                 name=attributes.get("name") or f"joint of {child}",
                 type=kind,
@@ -222,7 +208,7 @@ class _Reader(Elements):
                 **numbers,
             )
             if kind is JointType.FIXED:
-                self._loose[joint.name] = _LOOSE[_type(element, attributes)]
+                self.loose[joint.name] = _LOOSE[_type(element, attributes)]
             else:
                 self._references[joint.name] = unit * value
             held.append(joint)
@@ -247,21 +233,22 @@ class _Reader(Elements):
         is_bounded = self.limits(element, attributes, "range", "limited") is not None
         return (JointType.REVOLUTE if is_bounded else JointType.CONTINUOUS), axis
 
-    def _numbers_of_joint(
+    def _numbers(
         self, element: etree._Element, attributes: dict[str, str], kind: JointType, unit: float
     ) -> dict[str, Any]:
-        """The limits of a joint and what resists its motion; only what bounds the motion is one with the chain."""
-        name = shown(attributes.get("name", ""))
+        """The limits of a joint and what resists its motion."""
         bounds = None if kind is JointType.FIXED else self.limits(element, attributes, "range", "limited")
-        lower, upper = [unit * value for value in bounds] if bounds else (None, None)
-        ranges = partial(self.limits, attributes=attributes, name="actuatorfrcrange", limited="actuatorfrclimited")
-        _, effort = self.part(element, ranges, None, f"the effort of joint {name}") or (None, None)
-        numbers: dict[str, Any] = {"limits": Limits(lower=lower, upper=upper, effort=effort)}
-        for field, word in (("damping", "damping"), ("friction", "frictionloss"), ("armature", "armature")):
-            if word in attributes:
-                read = partial(self.numbers, attributes=attributes, name=word, default=(0.0,), most=3)
-                (numbers[field],) = self.part(element, read, (None,), f"the {field} of joint {name}")
-        return numbers
+
+        def number(field: str, joint: etree._Element) -> float | None:
+            if field in BOUNDS:
+                return unit * bounds[BOUNDS.index(field)] if bounds else None
+            if field == "effort":
+                limits = self.limits(joint, attributes, "actuatorfrcrange", "actuatorfrclimited")
+                return limits[1] if limits else None
+            word = "frictionloss" if field == "friction" else field
+            return self.numbers(joint, attributes, word, (0.0,), most=3)[0] if word in attributes else None
+
+        return self.numbers_of_joint(element, number, DYNAMICS)
 
     # Bodies
 

@@ -114,24 +114,10 @@ class Shapes:
     def _drawn(self, element: etree._Element) -> tuple[Geom, list[Placed], Material | None]:
         """A shape of a body, its parts, and its colour."""
         geom = self.geom(element)
-        return geom, self._mesh(geom) if "mesh" in geom.attributes else self._parts(geom), self._colour(geom)
-
-    def _parts(self, geom: Geom) -> list[Placed]:
-        """MuJoCo counts sizes from the middle, and the length of a capsule without its ends."""
-        x, y, z = geom.size
-        match geom.kind:
-            case "box":
-                return [Placed(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)))]
-            case "cylinder":
-                return [Placed(Cylinder(radius=x, length=2.0 * y))]
-            case "sphere":
-                return [Placed(Sphere(radius=x))]
-            case "capsule":
-                return capsule(x, 2.0 * y)
-            case "ellipsoid" if x == y == z:
-                return [Placed(Sphere(radius=x))]
-        self._elements.not_read(geom.element, f"a shape {shown(geom.kind)}")
-        return []
+        parts = self._mesh(geom) if "mesh" in geom.attributes else _parts(geom)
+        if parts is None:
+            self._elements.not_read(element, f"a shape {shown(geom.kind)}")
+        return geom, parts or [], self._colour(geom)
 
     def _mesh(self, geom: Geom) -> list[Placed]:
         mesh = self._meshes.get(name := geom.attributes["mesh"])
@@ -174,6 +160,24 @@ class Shapes:
         return Material(name="", rgba=(r, g, b, a))
 
 
+def _parts(geom: Geom) -> list[Placed] | None:
+    """The parts of a shape; None of one that no robot has.
+
+    MuJoCo counts sizes from the middle, and the length of a capsule without its ends.
+    """
+    x, y, z = geom.size
+    match geom.kind:
+        case "box":
+            return [Placed(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)))]
+        case "cylinder":
+            return [Placed(Cylinder(radius=x, length=2.0 * y))]
+        case "capsule":
+            return capsule(x, 2.0 * y)
+        case "sphere" | "ellipsoid" if geom.kind == "sphere" or x == y == z:
+            return [Placed(Sphere(radius=x))]
+    return None
+
+
 _WATER = 1000.0
 """The density of a shape that has none [kg/m³]."""
 WITHOUT_MASS = ("plane", "hfield")
@@ -211,12 +215,8 @@ def _solid(geom: Geom) -> Inertial | None:
     """A shape as a body of 1 kg/m³, in its own frame."""
     x, y, z = geom.size
     match geom.kind:
-        case "box":
-            return solid(Box(size=(2.0 * x, 2.0 * y, 2.0 * z)), 1.0)
-        case "cylinder":
-            return solid(Cylinder(radius=x, length=2.0 * y), 1.0)
-        case "sphere":
-            return solid(Sphere(radius=x), 1.0)
+        case "box" | "cylinder" | "sphere" if parts := _parts(geom):
+            return solid(parts[0].geometry, 1.0)
         case "ellipsoid":
             mass = 4.0 / 3.0 * math.pi * x * y * z
             ixx, iyy, izz = (mass / 5.0 * square for square in (y * y + z * z, x * x + z * z, x * x + y * y))

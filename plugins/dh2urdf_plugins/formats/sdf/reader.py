@@ -20,27 +20,17 @@ from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.mass import rotated
-from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType
-from dh2urdf.robot import Box, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere
+from dh2urdf.manipulator import WORLD, Inertia, JointType
+from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
 from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
 from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
-from dh2urdf_plugins.formats.xml_files import (
-    BOUNDS,
-    Model,
-    Placed,
-    capsule,
-    content_of,
-    fixed,
-    tree_of,
-    written_tree_of,
-)
+from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, read_file, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.robot import Geometry
 
@@ -49,18 +39,8 @@ say = Messages(__file__)
 UNLIMITED = 1e16
 """A limit from which on SDF means that there is none [rad or m]."""
 
-_ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal", AT_INCLUDED)
 """Joints that no table has."""
-
-
-def read_sdf(path: Path) -> Robot:
-    """The robot of the first model in an SDF file.
-
-    Raises:
-        ProofError: the file cannot be read, or holds no model of a manipulator.
-    """
-    return parse_sdf(content_of(path), str(path))
 
 
 def parse_sdf(content: bytes, file: str) -> Robot:
@@ -69,16 +49,11 @@ def parse_sdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text holds no model of a manipulator, or something in it cannot be read.
     """
-    return model_of(written_tree_of(content, file), file).whole(_ACCEPTED)
+    return model_of(written_tree_of(content, file), file).whole()
 
 
-def read_model(path: Path) -> Model:
-    """The first model of an SDF file of any origin.
-
-    Raises:
-        ProofError: the file cannot be read, or holds no model of a robot.
-    """
-    return model_of(tree_of(content_of(path), str(path)), str(path))
+read_sdf = partial(read_file, parse_sdf)
+"""The robot of the first model in an SDF file."""
 
 
 def model_of(root: etree._Element, file: str) -> Model:
@@ -102,7 +77,6 @@ class _Reader(SdfElements):
     def __init__(self, root: etree._Element, file: str) -> None:
         super().__init__(file)
         modernise(root)
-        self._loose: dict[str, str] = {}
         self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
         includes = [*self._model.iter("include")]
         outside = [*root.iterfind("include"), *root.iterfind("world/include")]
@@ -144,7 +118,7 @@ class _Reader(SdfElements):
         robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
         found = {self.name(joint): joint.find("axis/mimic") for joint in self._model.iterchildren("joint")}
         mimics = {name: mimic for name, mimic in found.items() if mimic is not None}
-        return Model(robot, self._loose, self.unread, self.faulty, self._doubly, mimics=mimics)
+        return Model(robot, self.loose, self.unread, self.faulty, self._doubly, mimics=mimics)
 
     # Frames
 
@@ -181,12 +155,7 @@ class _Reader(SdfElements):
 
     def _motion(self, ends: Joint, element: etree._Element) -> Joint:
         """The joint of an element, between two links."""
-        word = _type(element)
-        kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
-        if kind is None:
-            raise self.not_of_a_manipulator(element, word, _ACCEPTED)
-        if word in _LOOSE:
-            self._loose[self.name(element)] = word
+        kind = self.kind(element, _type(element), _LOOSE)
         numbers = self.numbers_of_joint(element, self._number, ("damping", "friction"))
         limits = numbers["limits"]
         if kind is JointType.REVOLUTE and limits.lower is None and limits.upper is None:
@@ -236,37 +205,22 @@ class _Reader(SdfElements):
 
     def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
-        pose = element.find("pose")
+        geometry, pose = element.find("geometry"), element.find("pose")
+        shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
+        if shape is None or shape.tag == "empty":
+            return
         reference = None if pose is None else pose.get("relative_to")
         link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
         origin = self.origin(element)
         if reference is not None and reference != link:
             origin = Origin.of(self._places.between(link, reference) @ self.pose(element))
-        for geometry, within in self._parts(element):
-            yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
 
-    def _parts(self, element: etree._Element) -> list[Placed]:  # noqa: PLR0911 - one for each shape
-        geometry = element.find("geometry")
-        shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
-        if shape is None or shape.tag == "empty":
-            return []
-        # Sizes that are not there are those of http://sdformat.org/spec?elem=geometry.
-        match shape.tag:
-            case "box":
-                x, y, z = self.numbers(shape, "size", 3, (1.0, 1.0, 1.0))
-                return [Placed(Box(size=(x, y, z)))]
-            case "cylinder":
-                radius, length = (self.number(shape, name, 1.0) for name in ("radius", "length"))
-                return [Placed(Cylinder(radius=radius, length=length))]
-            case "sphere":
-                return [Placed(Sphere(radius=self.number(shape, "radius", 1.0)))]
-            case "mesh":
-                x, y, z = self.numbers(shape, "scale", 3, (1.0, 1.0, 1.0))
-                return [Placed(Mesh(filename=self.word(shape, "uri"), scale=(x, y, z)))]
-            case "capsule":
-                return capsule(self.number(shape, "radius", 0.5), self.number(shape, "length", 1.0))
-        self.not_read(shape, f"a shape {shown(str(shape.tag))}")
-        return []
+        def numbers(name: str, count: int) -> Sequence[float]:
+            # Sizes that are not there are those of http://sdformat.org/spec?elem=geometry.
+            usual = 0.5 if name == "radius" and shape.tag == "capsule" else 1.0
+            return self.numbers(shape, name, count, (usual,) * count)
+
+        yield from self.parts(shape, origin, numbers, partial(self.word, shape, "uri"))
 
 
 def _type(joint: etree._Element) -> str:

@@ -8,51 +8,25 @@ Elements that URDF leaves to others (``mujoco``, ``gazebo``, ``transmission``) a
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from dh2urdf.kinematics.mass import rotated
-from dh2urdf.manipulator import JOINT_TYPES, JointType, new_inertia
-from dh2urdf.robot import (
-    Box,
-    Cylinder,
-    Inertial,
-    Joint,
-    Link,
-    Material,
-    Mesh,
-    Origin,
-    Robot,
-    Sphere,
-    new_inertial,
-    new_joint,
-    new_link,
-    new_origin,
-)
-from dh2urdf.rotations import IDENTITY, X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
+from dh2urdf.manipulator import JointType, new_inertia
+from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_joint, new_link, new_origin
+from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
 from dh2urdf.row_fields import INERTIA, LIMITS
-from dh2urdf.source import shown
-from dh2urdf_plugins.formats.xml_files import FileElements, Model, Placed, capsule, content_of, written_tree_of
+from dh2urdf_plugins.formats.xml_files import FileElements, Model, read_file, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.robot import Geometry
 
-_ACCEPTED = ", ".join(JOINT_TYPES)
 _LOOSE = ("floating", "planar")
 """Joints that no table has."""
-
-
-def read_urdf(path: Path) -> Robot:
-    """The robot of a URDF file.
-
-    Raises:
-        ProofError: the file cannot be read, or is not the URDF of a robot.
-    """
-    return parse_urdf(content_of(path), str(path))
 
 
 def parse_urdf(content: bytes, file: str) -> Robot:
@@ -68,13 +42,17 @@ def parse_urdf(content: bytes, file: str) -> Robot:
     return robot_of(written_tree_of(content, file), file)
 
 
+read_urdf = partial(read_file, parse_urdf)
+"""The robot of a URDF file."""
+
+
 def robot_of(root: etree._Element, file: str) -> Robot:
     """The robot of a tree of elements that dh2urdf has written.
 
     Raises:
         ProofError: the elements are not the URDF of a robot, or something in it cannot be read.
     """
-    return model_of(root, file).whole(_ACCEPTED)
+    return model_of(root, file).whole()
 
 
 def model_of(root: etree._Element, file: str) -> Model:
@@ -92,7 +70,6 @@ class _UrdfReader(FileElements):
     def __init__(self, file: str) -> None:
         super().__init__(file)
         self._materials: dict[str, Material | None] = {}
-        self._loose: dict[str, str] = {}
 
     def model(self, root: etree._Element) -> Model:
         if root.tag != "robot":
@@ -104,7 +81,7 @@ class _UrdfReader(FileElements):
             links=tuple([self._link(element) for element in root.iterchildren("link")]),
             joints=tuple([self._joint(element) for element in root.iterchildren("joint")]),
         )
-        return Model(robot, self._loose, self.unread, self.faulty)
+        return Model(robot, self.loose, self.unread, self.faulty)
 
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
@@ -119,18 +96,13 @@ class _UrdfReader(FileElements):
         return self.joint(element, self._text(element, "name"), parent, child, self._motion)
 
     def _motion(self, element: etree._Element) -> Joint:
-        name, word = self._text(element, "name"), self._text(element, "type")
-        if word in _LOOSE:
-            self._loose[name] = word
-        kind = JointType.FIXED if word in _LOOSE else JOINT_TYPES.get(word)
-        if kind is None:
-            raise self.not_of_a_manipulator(element, word, _ACCEPTED)
+        kind = self.kind(element, self._text(element, "type"), _LOOSE)
         axis = element.find("axis")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
         return new_joint(
-            name=name,
+            name=self._text(element, "name"),
             type=kind,
             parent=self._text(self._child(element, "parent"), "link"),
             child=self._text(self._child(element, "child"), "link"),
@@ -169,32 +141,17 @@ class _UrdfReader(FileElements):
 
     def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
-        origin = self._origin(element)
-        for geometry, within in self._parts(element):
-            yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
-
-    def _parts(self, parent: etree._Element) -> list[Placed]:
-        geometry = self._child(parent, "geometry")
+        geometry = self._child(element, "geometry")
         shape = next(geometry.iterchildren(etree.Element), None)
         if shape is None:
             raise self.error(geometry, "geometry-unknown")
-        match shape.tag:
-            case "box":
-                return [Placed(Box(size=self._vector(shape, "size")))]
-            case "cylinder" | "capsule":
-                (radius,), (length,) = (self._numbers(shape, name, 1) for name in ("radius", "length"))
-                return (
-                    capsule(radius, length)
-                    if shape.tag == "capsule"
-                    else [Placed(Cylinder(radius=radius, length=length))]
-                )
-            case "sphere":
-                return [Placed(Sphere(radius=self._numbers(shape, "radius", 1)[0]))]
-            case "mesh":
-                scale = self._vector(shape, "scale", (1.0, 1.0, 1.0))
-                return [Placed(Mesh(filename=self._text(shape, "filename"), scale=scale))]
-        self.not_read(shape, f"a shape {shown(str(shape.tag))}")
-        return []
+
+        def numbers(name: str, count: int) -> Sequence[float]:
+            if name == "scale" and shape.get(name) is None:
+                return (1.0, 1.0, 1.0)
+            return self._numbers(shape, name, count)
+
+        yield from self.parts(shape, self._origin(element), numbers, partial(self._text, shape, "filename"))
 
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")

@@ -39,7 +39,8 @@ say = Messages(__file__)
 FLOATING, PLANAR = "floating", "planar"
 
 
-State = Mapping[str, float | tuple[float, float, float, float]]
+Quaternion = tuple[float, float, float, float]
+State = Mapping[str, float | Quaternion]
 """The values of moving joints by name [rad or m]; of a floating joint its orientation, as a quaternion (x, y, z, w)."""
 
 
@@ -112,13 +113,13 @@ class Mechanism:
         moving = (joint.name for joint in self.robot.joints if self.moves(joint))
         return {name: self.followers[name] for name in moving if name in self.followers}
 
-    def _start(self, joint: Joint) -> float | tuple[float, float, float, float]:
+    def _start(self, joint: Joint) -> float | Quaternion:
         if self.loose.get(joint.name) == FLOATING:
             return (0.0, 0.0, 0.0, 1.0)
         lower, upper = self._range(joint)
         return 0.0 if lower <= 0.0 <= upper else 0.5 * lower + 0.5 * upper
 
-    def _anywhere(self, joint: Joint, random: Random) -> float | tuple[float, float, float, float]:
+    def _anywhere(self, joint: Joint, random: Random) -> float | Quaternion:
         if self.loose.get(joint.name) == FLOATING:
             # A rotation from the uniform distribution over all: K. Shoemake, "Uniform random rotations", Graphics
             # Gems III.
@@ -295,18 +296,12 @@ def shaped_neighbours(mechanism: Mechanism) -> Iterator[Pair]:
         joined[joint.parent].add(joint.child)
         joined[joint.child].add(joint.parent)
     shaped = {link.name for link in mechanism.robot.links if link.collisions}
-    found = {pair_of(one, other) for one in shaped for other in joined[one] & shaped}
-    waiting = set(joined) - shaped
-    while waiting:
-        region, around = {waiting.pop()}, set[str]()
-        ahead = list(region)
+    found: set[Pair] = set()
+    for one in shaped:
+        met, ahead = {one}, [one]
         while ahead:
-            for other in joined[ahead.pop()]:
-                if other in shaped:
-                    around.add(other)
-                elif other not in region:
-                    region.add(other)
-                    ahead.append(other)
-        waiting -= region
-        found |= {pair_of(one, other) for one, other in combinations(sorted(around), 2)}
+            around = joined[ahead.pop()] - met
+            met |= around
+            ahead += around - shaped
+            found |= {pair_of(one, other) for other in around & shaped}
     yield from sorted(found)

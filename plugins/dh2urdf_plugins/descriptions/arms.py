@@ -60,20 +60,13 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     given = tree.chain(tip)
     chain = tuple(map(_with_unit_axis, given))
     solution = solve(chain, asked.choices)
-    position, angle = solution.difference
+    found: dict[str, Any] = dict(zip(("position", "angle"), solution.difference, strict=True))
     if not solution.error <= asked.choices.tolerance:
         raise TableError(_too_far(solution, asked, mark))
     precision = Precision.of(asked.choices.tolerance, solution.length)
     carried = Carried(tree, chain, asked.find, precision)
     notices = [
-        asked.notice(
-            "chain-extracted",
-            base=tree.base,
-            tip=tip,
-            position=position,
-            angle=angle,
-            count=RANDOM_VECTORS + 1,
-        ),
+        asked.notice("chain-extracted", base=tree.base, tip=tip, **found, count=RANDOM_VECTORS + 1),
         *_rounded(tree, tip, asked),
         *(replace(pair.notice(), robot=asked.name) for pair in solution.nearly_parallel),
         *_besides_the_chain(description, given, carried, asked),
@@ -150,10 +143,8 @@ def _limits(joint: Joint, unknown: dict[str, list[str]], mark: Mark) -> Limits:
     elif (lower is None) is not (upper is None):  # URDF: what is not written is 0
         lower, upper = lower or 0.0, upper or 0.0
     if lower is not None and upper is not None and lower > upper:
-        place = joint.mark or mark
-        raise TableError(
-            say("lower-above-upper", place, joint=joint.name, field="limits.lower", lower=lower, upper=upper)
-        )
+        about: dict[str, Any] = {"joint": joint.name, "lower": lower, "upper": upper}
+        raise TableError(say("lower-above-upper", joint.mark or mark, field="limits.lower", **about))
     kept: dict[str, float | None] = {"velocity": joint.limits.velocity, "effort": joint.limits.effort}
     for name, value in kept.items():
         if value is not None and value <= 0.0:
@@ -188,21 +179,11 @@ class _Names:
 
 
 def _too_far(solution: Solution, asked: Asked, mark: Mark) -> Problem:
-    position, angle = solution.difference
+    found: dict[str, Any] = dict(zip(("position", "angle"), solution.difference, strict=True))
     tolerance, is_split = asked.choices.tolerance, all(pair.split for pair in solution.nearly_parallel)
     advice = None if is_split else "the option near_parallel: split keeps numbers of the arm's own size"
-    return say(
-        "table-too-far",
-        mark,
-        robot=asked.name,
-        field="tolerance",
-        found=f"{tolerance:.9g}",
-        position=position,
-        angle=angle,
-        tolerance=tolerance,
-        least=max(position, angle),
-        suggestion=advice,
-    )
+    about = {**found, "tolerance": tolerance, "least": solution.error, "suggestion": advice}
+    return say("table-too-far", mark, robot=asked.name, field="tolerance", found=f"{tolerance:.9g}", **about)
 
 
 def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
@@ -210,26 +191,20 @@ def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
     description = tree.description
     if description.repaired is None:
         return
-    other = tree.with_joints(description.repaired.joints)
-    chains = [tuple(map(_with_unit_axis, each.chain(tip))) for each in (tree, other)]
-    position, angle = chain_difference(*chains)
+    repaired = {joint.child: joint for joint in reversed(description.repaired.joints)}
+    chain = [_with_unit_axis(joint) for joint in tree.chain(tip)]
+    meant = [replace(joint, origin=repaired[joint.child].origin) for joint in chain]
+    position, angle = chain_difference(chain, meant)
     first, places = description.rounded[0], len(description.rounded)
     lines = list(dict.fromkeys(str(each.line) for each in description.rounded if each.line))
     where = f" (line{'s' if len(lines) > 1 else ''} {listed(lines, _FEW)})" if lines else ""
     count = f"{places} place{'s' if places > 1 else ''}{where}"
     others = "" if all(each.text == first.text for each in description.rounded) else " and the like"
+    about: dict[str, Any] = {"text": first.text, "word": first.word + others, "count": count, "position": position}
     if asked.repair:
-        about = {"position": position, "angle": angle}
-        yield asked.notice("pi-repaired", "rounded_pi", text=first.text, word=first.word + others, count=count, **about)
+        yield asked.notice("pi-repaired", "rounded_pi", **about, angle=angle)
     elif max(position, angle) > 1e-10:  # noqa: PLR2004 - below, the table has the part of π anyhow
-        yield asked.notice(
-            "pi-rounded",
-            "rounded_pi",
-            text=first.text,
-            word=first.word + others,
-            count=count,
-            position=position,
-        )
+        yield asked.notice("pi-rounded", "rounded_pi", **about)
 
 
 def _besides_the_chain(

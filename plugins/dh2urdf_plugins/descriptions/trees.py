@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
@@ -13,8 +12,6 @@ from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
-
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
 
@@ -72,12 +69,6 @@ class Tree:
         few = listed([shown(root) for root in roots], _SHOWN)
         raise self._error("several-roots" if roots else "no-root", "base_link", count=len(roots), links=few)
 
-    def with_joints(self, joints: Iterable[Joint]) -> Tree:
-        """The same tree with other origins of its joints."""
-        other = copy(self)
-        other.above = {joint.child: joint for joint in reversed(tuple(joints))}
-        return other
-
     def reached(self) -> dict[str, int]:
         """The links below the base link, itself included, each with the moving joints before it."""
         moving, ahead = {self.base: 0}, [self.base]
@@ -108,25 +99,11 @@ class Tree:
             return usual
         leaves = {name: count for name, count in self.leaves().items() if count}
         if len(leaves) > 1 and not tip_link:
-            named = [f"{name} ({_moving(moved[name])})" for name in usual or leaves]
+            counts = {name: moved[name] for name in usual or leaves}
+            named = [f"{name} ({count} moving joint{'s' if count > 1 else ''})" for name, count in counts.items()]
             what = "links that may be the tip" if usual else "leaves"
-            shared = self._last_shared(leaves, moved)
-            advice = f"; all leaves are behind {shown(shared)} ({_moving(moved[shared])})" if shared else ""
-            about: dict[str, Any] = {"what": what, "leaves": listed(named, _SHOWN), "advice": advice}
-            raise self._error("several-leaves", "tip_link", count=len(named), **about)
+            raise self._error("several-leaves", "tip_link", count=len(named), what=what, leaves=listed(named, _SHOWN))
         return list(leaves or self.leaves())
-
-    def _last_shared(self, leaves: Iterable[str], moved: Collection[str]) -> str | None:
-        """The last link that joints move on the ways to all leaves; None where the ways part before one."""
-        ways: list[list[str]] = []
-        for leaf in leaves:
-            way, link = [leaf], leaf
-            while link != self.base:
-                link = self.above[link].parent
-                way.append(link)
-            ways.append(way[::-1])
-        shared = [links[0] for links in zip(*ways, strict=False) if len(set(links)) == 1]
-        return next((link for link in reversed(shared) if link in moved), None)
 
     def chain(self, tip: str) -> tuple[Joint, ...]:
         """The joints from the base link to a tip link.
@@ -169,7 +146,3 @@ class Tree:
     def _error(self, code: str, field: str | None = None, joint: Joint | None = None, **words: Any) -> TableError:  # noqa: ANN401 - of a message
         mark = (joint.mark if joint else None) or Mark(file=self.description.file)
         return TableError(say(code, mark, joint=joint.name if joint else None, field=field, **words))
-
-
-def _moving(count: int) -> str:
-    return f"{count} moving joint{'s' if count > 1 else ''}"

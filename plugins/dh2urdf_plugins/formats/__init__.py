@@ -7,9 +7,13 @@ from __future__ import annotations
 
 from functools import partial
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Checks
 from dh2urdf_plugins.late import Late
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
 
 read_urdf = Late(f"{__name__}.urdf.reader:read_urdf")
 read_urdfs = Late(f"{__name__}.urdf.scanner:scan_columns")
@@ -38,3 +42,12 @@ def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool
     function = "dh2urdf_check.{}".format
     fixes = Late(function(fix)) if fix else None
     return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages),)
+
+
+def numbered_name(name: str, taken: Collection[str]) -> str:
+    """A name that is not taken, with ``_2`` or a higher number behind it where it is."""
+    found, number = name, 1
+    while found in taken:
+        number += 1
+        found = f"{name}_{number}"
+    return found

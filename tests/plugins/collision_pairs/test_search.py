@@ -216,7 +216,7 @@ def test_no_pair_of_never_touches_in_other_states(table: str) -> None:
     robot = alpha_swap(manipulator, AlphaSwapOptions())
     found = robot_pairs(robot, PairOptions())
     assert robot_pairs(robot, PairOptions()) == found
-    (file,) = mjcf.emit(robot, "arm", mjcf.MjcfOptions(actuators="none"))
+    (file,) = mjcf.EMITTER.emit(robot, "arm", mjcf.MjcfOptions(actuators="none"))
     model = mujoco.MjModel.from_xml_string(file.content.decode())
     data = mujoco.MjData(model)
     solid = {}

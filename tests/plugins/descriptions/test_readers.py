@@ -231,12 +231,6 @@ class TestTheChain:
         assert "left_tcp (2 moving joints)" in message
         assert "right_tcp (2 moving joints)" in message
 
-    def test_the_last_link_before_all_leaves_is_proposed(self, tmp_path: Path) -> None:
-        fingers = [joint(f"finger_{number}", "hand", f"tip_{number}") for number in range(12)]
-        message = refusal(tmp_path, urdf(*PLAIN, END.replace("tool0", "hand"), *fingers))
-        assert "'hand' (2 moving joints)" in message
-        assert "tip_9 (3 moving joints) and 2 more" in message
-
     def test_every_leaf_in_one_go(self, tmp_path: Path) -> None:
         path = tmp_path / "robot.urdf"
         path.write_text(urdf(*self.BRANCHES))

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from dh2urdf.stages import EmittedFile, Emitter, ReadsBack, ReadsForeign
+from dh2urdf.stages import Emitter, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
-
-if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
+from dh2urdf_plugins.late import Late
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,25 +27,12 @@ class MjcfOptions:
     )
 
 
-def emit(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
-    """The MJCF of a robot, as ``<stem>.xml``.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
-        MissingDependencyError: what finds links that touch is not installed.
-    """
-    from dh2urdf_plugins.formats.mjcf.writer import mjcf_of
-
-    content = mjcf_of(robot, actuators=options.actuators, excludes=options.excludes)
-    return (EmittedFile(name=f"{stem}.xml", content=content),)
-
-
 EMITTER = Emitter(
     name="mjcf",
     summary="an MJCF model for MuJoCo, with actuators, sites for flange and tool0, and no contacts of neighbours",
     suffixes=(".xml", ".mjcf"),
     options=MjcfOptions,
-    emit=emit,
+    emit=Late(f"{__name__}.writer:mjcf_files"),
     capabilities=(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),

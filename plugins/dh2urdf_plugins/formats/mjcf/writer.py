@@ -17,6 +17,7 @@ from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Messages
+from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.servos import servos
 from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
     from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot
+    from dh2urdf_plugins.formats.mjcf import MjcfOptions
 
 say = Messages(__file__)
 
@@ -35,16 +37,17 @@ DEEPEST = 490
 _JOINT_TYPES = {JointType.REVOLUTE: "hinge", JointType.CONTINUOUS: "hinge", JointType.PRISMATIC: "slide"}
 
 
-def mjcf_of(robot: Robot, *, actuators: str, excludes: str) -> bytes:
-    """The MJCF of a robot, with the options of that name.
+def mjcf_files(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
+    """The MJCF of a robot, as ``<stem>.xml``.
 
     Raises:
         EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
         MissingDependencyError: what finds links that touch is not installed.
     """
-    touching = [] if excludes == "neighbours" else touching_at_home(robot)
-    touching += _touching(robot) if excludes == "touching" else []
-    return serialise(_Model(robot, actuators, touching).tree(), robot.comment)
+    touching = [] if options.excludes == "neighbours" else touching_at_home(robot)
+    touching += _touching(robot) if options.excludes == "touching" else []
+    content = serialise(_Model(robot, options.actuators, touching).tree(), robot.comment)
+    return (EmittedFile(name=f"{stem}.xml", content=content),)
 
 
 def _touching(robot: Robot) -> list[tuple[str, str]]:

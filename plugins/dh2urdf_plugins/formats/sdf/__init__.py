@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.stages import EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign
+from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_sdf, read_sdf
+from dh2urdf_plugins.late import Late
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
@@ -23,17 +24,6 @@ class SdfOptions:
     )
 
 
-def emit(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
-    """The SDF of a robot, as ``<stem>.sdf``.
-
-    Raises:
-        EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
-    """
-    from dh2urdf_plugins.formats.sdf.writer import sdf_of
-
-    return (EmittedFile(name=f"{stem}.sdf", content=sdf_of(robot, fixed=options.fixed)),)
-
-
 def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
     """What a person should know of the file: that its base has a mass which the table does not state."""
     from dh2urdf_plugins.base_bodies import notices_for_gazebo
@@ -46,7 +36,7 @@ EMITTER = Emitter(
     summary="an SDF model for Gazebo, which keeps flange and tool0 as frames",
     suffixes=(".sdf",),
     options=SdfOptions,
-    emit=emit,
+    emit=Late(f"{__name__}.writer:sdf_files"),
     capabilities=(
         ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),

@@ -18,11 +18,13 @@ from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
 from dh2urdf.source import Messages
+from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, serialise
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot, Visual
+    from dh2urdf_plugins.formats.sdf import SdfOptions
 
 say = Messages(__file__)
 
@@ -33,13 +35,14 @@ MODEL = "__model__"
 _NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)
 
 
-def sdf_of(robot: Robot, *, fixed: bool) -> bytes:
-    """The SDF of a robot, which is held on the world or not.
+def sdf_files(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
+    """The SDF of a robot, as ``<stem>.sdf``.
 
     Raises:
         EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
     """
-    return serialise(_Model(robot, fixed=fixed).tree(), robot.comment)
+    content = serialise(_Model(robot, fixed=options.fixed).tree(), robot.comment)
+    return (EmittedFile(name=f"{stem}.sdf", content=content),)
 
 
 class _Model:

@@ -27,6 +27,7 @@ from dh2urdf.quantities import format_number
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import EmittedFile
+from dh2urdf_plugins.formats import numbered_name
 from dh2urdf_plugins.formats.urdf.profiles import (
     PROFILES,
     Profile,
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.robot import Arm, Parameter, Robot
-    from dh2urdf_plugins.formats.urdf import ProfileName
+    from dh2urdf_plugins.formats.xacro import XacroOptions
 
 say = Messages(__file__)
 
@@ -131,14 +132,14 @@ def macro_name(robot_name: str, stem: str) -> str:
     return name if _MACRO_NAME.fullmatch(name) and name not in _XACRO_ELEMENTS else f"_{name}"
 
 
-def xacro_files(robot: Robot, stem: str, profile_name: ProfileName, *, single_file: bool) -> tuple[EmittedFile, ...]:
+def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, ...]:
     """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open.
 
     Raises:
         EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
             lacks what URDF requires.
     """
-    notation, profile = XacroNotation(), PROFILES[profile_name]
+    notation, profile, single_file = XacroNotation(), PROFILES[options.profile], options.single_file
     robot = adapted(robot, profile)
     macros = macros_of(robot, stem)
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
@@ -174,12 +175,7 @@ def macros_of(robot: Robot, stem: str) -> dict[str, Robot]:
     macros: dict[str, Robot] = {}
     for arm in robot.arms:
         if not any(kind is arm.kind for kind in macros.values()):
-            name = first = macro_name(arm.kind.name, arm.kind.name)
-            number = 1
-            while name in macros:
-                number += 1
-                name = f"{first}_{number}"
-            macros[name] = arm.kind
+            macros[numbered_name(macro_name(arm.kind.name, arm.kind.name), macros)] = arm.kind
     return macros
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_MAINTAINER
+from dh2urdf_plugins.packages.templates import filled
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
@@ -38,8 +39,8 @@ ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
 """The prefix of an arm, and its moving joints, whose names are without the prefix."""
 
 
-def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
-    """A YAML file with lines of comment above its content."""
+def _filled(template: str, content: Mapping[str, Any], **words: str) -> bytes:
+    """A YAML file of the folder ``templates`` with its content."""
     import yaml
 
     class Dumper(yaml.SafeDumper):
@@ -52,7 +53,7 @@ def yaml_file(content: Mapping[str, Any], *comment: str) -> bytes:
     written = yaml.dump(
         _plain(content), Dumper=Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
     )
-    return "".join([*(f"# {line}\n" for line in comment), written]).encode()
+    return filled(f"ros2/templates/{template}", CONTENT=written.removesuffix("\n"), **words).encode()
 
 
 def is_no_text(word: str) -> bool:
@@ -108,12 +109,8 @@ def dh_file(robot: Robot) -> bytes:
     for parameter in robot.parameters:
         rows.setdefault(parameter.joint, {})[parameter_key(parameter)] = parameter.value
     numbers = ";".join(f"{joint}:{key}={value!r}" for joint, row in rows.items() for key, value in row.items())
-    return yaml_file(
-        {"dh": {"hash": f"dh_{sha256(numbers.encode()).hexdigest()[:20]}", "joints": rows}},
-        f"The Denavit-Hartenberg rows of {robot.name}: a and d in m, alpha and theta in rad. Joint offsets, the",
-        "base and the tool are in the macro. A file of the same form with the numbers of a calibration takes the place",
-        "of this one: pass its path as `dh_file`. `hash` identifies the numbers, so that a driver can compare them.",
-    )
+    table = {"hash": f"dh_{sha256(numbers.encode()).hexdigest()[:20]}", "joints": rows}
+    return _filled("dh.yaml", {"dh": table}, NAME=robot.name)
 
 
 def joint_limits(robot: Robot) -> bytes:
@@ -122,10 +119,7 @@ def joint_limits(robot: Robot) -> bytes:
         joint.name: {LIMIT_KEYS[name]: getattr(joint.limits, name) for name in LIMITS_OF[joint.type]}
         for joint in robot.moving_joints
     }
-    return yaml_file(
-        {"joint_limits": limits},
-        "Limits of the joints: positions in rad or m, velocities in rad/s or m/s, efforts in N·m or N.",
-    )
+    return _filled("joint_limits.yaml", {"joint_limits": limits})
 
 
 def physical_parameters(robot: Robot) -> bytes:
@@ -144,11 +138,7 @@ def physical_parameters(robot: Robot) -> bytes:
         given = {"damping": joint.damping, "friction": joint.friction}
         if said := {name: value for name, value in given.items() if value is not None}:
             joints[joint.name] = said
-    return yaml_file(
-        {"links": links, "joints": joints},
-        "Masses in kg, centres of mass in m in the frame of the link, inertias in kg·m² about the centre of mass with",
-        "the axes of that frame; damping in N·m·s/rad or N·s/m, friction in N·m or N.",
-    )
+    return _filled("physical_parameters.yaml", {"links": links, "joints": joints})
 
 
 # --- ros2_control -----------------------------------------------------------------------------------------------------
@@ -157,7 +147,7 @@ def physical_parameters(robot: Robot) -> bytes:
 def initial_positions(robot: Robot) -> bytes:
     """``initial_positions.yaml``: where the joints start."""
     positions = {joint.name: initial_position(joint) for joint in robot.moving_joints}
-    return yaml_file({"initial_positions": positions}, "Where the joints start, in rad or m; inside their limits.")
+    return _filled("initial_positions.yaml", {"initial_positions": positions})
 
 
 def controller_name(prefix: str) -> str:
@@ -189,7 +179,7 @@ def controllers(arms: Sequence[ArmJoints]) -> bytes:
                 "allow_nonzero_velocity_at_trajectory_end": False,
             }
         }
-    return yaml_file(content, "The controllers of the robot, for the controller manager of ros2_control.")
+    return _filled("ros2_controllers.yaml", content)
 
 
 # --- MoveIt -----------------------------------------------------------------------------------------------------------
@@ -205,7 +195,7 @@ def kinematics(groups: Sequence[Group]) -> bytes:
             "kinematics_solver_timeout": 0.05,
             **({"position_only_ik": True} if len(group.joints) < SPACE else {}),
         }
-    return yaml_file(solvers, "The solver of the inverse kinematics of each group.")
+    return _filled("kinematics.yaml", solvers)
 
 
 def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> bytes:
@@ -221,11 +211,7 @@ def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> byte
             "max_acceleration": default if acceleration is None else float(acceleration),
         }
     scaling = {f"default_{what}_scaling_factor": 0.1 for what in ("velocity", "acceleration")}
-    return yaml_file(
-        {**scaling, "joint_limits": limits},
-        "Velocities in rad/s or m/s, accelerations in rad/s² or m/s². A request may set its own scaling factors, up to",
-        "1.0; those below are the ones of a request without any.",
-    )
+    return _filled("planning_limits.yaml", {**scaling, "joint_limits": limits})
 
 
 def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
@@ -239,10 +225,7 @@ def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
             "joints": [f"{prefix}{joint.name}" for joint in joints],
         }
     plugin = f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager"
-    return yaml_file(
-        {"moveit_controller_manager": plugin, CONTROLLER_MANAGER: manager},
-        "The controllers that execute what MoveIt plans; they are those of ros2_controllers.yaml.",
-    )
+    return _filled("moveit_controllers.yaml", {"moveit_controller_manager": plugin, CONTROLLER_MANAGER: manager})
 
 
 def setup_assistant(name: str, description: str, options: Ros2Options) -> bytes:
@@ -259,4 +242,4 @@ def setup_assistant(name: str, description: str, options: Ros2Options) -> bytes:
             "generated_timestamp": 0,
         },
     }
-    return yaml_file({"moveit_setup_assistant_config": content})
+    return _filled("setup_assistant", {"moveit_setup_assistant_config": content})

@@ -25,6 +25,7 @@ from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
 from dh2urdf.quantities import UNITS, format_number, number_in
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, free_name
+from dh2urdf_plugins.formats import numbered_name
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:
@@ -185,14 +186,8 @@ def _moving(arm: Manipulator) -> tuple[RigidTransform, Sequence[DHRow], RigidTra
         tool = row_transform(arm.convention, rows.pop()) @ tool
     between = [row for row in rows if row.type is JointType.FIXED]
     if between or not rows:
-        raise EmitterError(
-            say(
-                "fixed-row-between" if between else "nothing-moves",
-                between[0].mark if between else arm.mark,
-                robot=arm.name,
-                found=(between or arm.rows)[0].joint,
-            )
-        )
+        code, mark = ("fixed-row-between", between[0].mark) if between else ("nothing-moves", arm.mark)
+        raise EmitterError(say(code, mark, robot=arm.name, found=(between or arm.rows)[0].joint))
     return base, rows, tool
 
 
@@ -271,12 +266,8 @@ def _variables(arms: Sequence[Manipulator], reserved: Iterable[str]) -> Iterator
     taken = set(reserved)
     for arm in arms:
         name = _NOT_A_NAME.sub("_", arm.name).strip("_").lower()
-        name = first = name if name[:1].isalpha() else f"robot_{name}".rstrip("_")
-        number = 1
-        while name in taken:
-            number += 1
-            name = f"{first}_{number}"
-        taken.add(name)
+        name = name if name[:1].isalpha() else f"robot_{name}".rstrip("_")
+        taken.add(name := numbered_name(name, taken))
         yield name, arm
 
 
@@ -287,16 +278,13 @@ def left_out_of_code(name: Format, arms: Sequence[Manipulator]) -> Iterator[Prob
     what, fields = _WITHOUT[name]
     rows = [row for arm in arms for row in arm.rows]
     owners = [owner for row in rows for owner in (row, row.limits)]
-    found = [
-        each
-        for each in (*fields, "visual", "collision")
-        if any(getattr(owner, each, None) is not None for owner in owners)
-    ]
     of_arms = {"base mass": "base_mass", "payload": "payload", "base meshes": "base_visual base_collision"}
-    found += [
+    of_rows = {each: each for each in (*fields, "visual", "collision")}
+    found = [
         word
-        for word, names in of_arms.items()
-        if any(getattr(arm, each) is not None for arm in arms for each in names.split())
+        for places, names_of in ((owners, of_rows), (arms, of_arms))
+        for word, names in names_of.items()
+        if any(getattr(each, name, None) is not None for each in places for name in names.split())
     ]
     if found:
         yield say("no-place-in-code", what=what, fields=found)

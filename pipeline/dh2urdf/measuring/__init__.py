@@ -21,7 +21,7 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf.stages.load_records import LoadReport, SimulatedArm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Loader
@@ -171,6 +171,32 @@ class Comparison:
             inertia_error = max(inertia_error, errors["inertia"][0])
         return {"mass": mass, "mass_error": mass_error, "inertia_error": inertia_error}, problems
 
+    def loaded(
+        self,
+        version: str,
+        joints: Iterable[dict[str, Any]],
+        bodies: Mapping[str, Body] | None,
+        written: Mapping[str, Inertial] | None = None,
+        others: Iterable[Problem] = (),
+    ) -> LoadReport:
+        """The report of an arm that has the joints and the masses that were written.
+
+        Args:
+            version: that of the simulator.
+            joints: the moving joints that it has.
+            bodies: the links that it has; None where it does not tell.
+            written: the links that it should have; those of the robot by default.
+            others: what else is wrong with the arm.
+
+        Raises:
+            LoaderError: it has another arm.
+        """
+        joints = tuple(joints)
+        masses, problems = ({}, []) if bodies is None else self.masses(bodies, written)
+        if problems := [*self.joints(joints), *others, *problems]:
+            raise LoaderError(problems)
+        return LoadReport(simulator=self.simulator, version=version, joints=joints, **masses)
+
     def is_filled_in(self, _name: str, _written: Inertial, _held: Body) -> bool:
         """Whether a link has a mass that the file gives it for the simulator's sake, and the robot does not."""
         return False
@@ -307,24 +333,15 @@ def _measured(arm: SimulatedArm, request: LoadRequest) -> LoadReport:
     precision = Precision(
         number=allowed, axis=allowed, inertia=allowed, position=allowed, angle=allowed, name=arm.simulator
     )
-    comparison = Comparison(arm.simulator, request, precision)
-    joints = tuple(map(_plain, arm.joints))
-    problems = comparison.joints(joints)
-    masses: dict[str, Any] = {}
+    comparison, bodies = Comparison(arm.simulator, request, precision), None
     if arm.bodies is not None:
         bodies = {name: Body(each.mass, each.com, tensor(each.inertia)) for name, each in arm.bodies.items()}
-        masses, others = comparison.masses(bodies)
-        problems += others
-    if problems:
-        raise LoaderError(problems)
+    report = comparison.loaded(arm.version, map(_plain, arm.joints), bodies)
 
     def frames(q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:
         return {link: _transform(arm.pose(link, q), link) for link in links}
 
-    poses = comparison.poses(frames)
-    return LoadReport(
-        simulator=arm.simulator, version=arm.version, joints=joints, findings=arm.findings, **masses, **poses
-    )
+    return replace(report, findings=arm.findings, **comparison.poses(frames))
 
 
 def _plain(joint: Mapping[str, Any]) -> dict[str, Any]:

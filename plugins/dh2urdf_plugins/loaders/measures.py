@@ -6,22 +6,20 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import measuring
-from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, rotate, scale, subtract
 from dh2urdf.source import Messages, Problem, listed, shown
-from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Mapping, Sequence
+    from collections.abc import Container, Iterable, Sequence
 
     from dh2urdf.measuring import Body
     from dh2urdf.robot import Joint, Robot
-    from dh2urdf.stages import LoadRequest
+    from dh2urdf_plugins.loaders.model import Model
 
 say = Messages(__file__)
 
@@ -165,31 +163,22 @@ class Comparison(measuring.Comparison):
         """Whether a link is a base without a mass, to which the file gives one for a reader that needs it."""
         return is_weightless_base(name, written) and held.mass == STILL.mass
 
-    def loaded(
-        self,
-        version: str,
-        joints: Iterable[dict[str, Any]],
-        bodies: Mapping[str, Body],
-        written: Mapping[str, Inertial] | None = None,
-        others: Iterable[Problem] = (),
-    ) -> LoadReport:
-        """The report of an arm that has the joints and the masses that were written.
+    def values(self, q: Sequence[float]) -> dict[str, float]:
+        """A joint vector by the names of the moving joints, in their order [rad or m]."""
+        return {joint.name: value for joint, value in zip(self.robot.moving_joints, q, strict=True)}
 
-        Args:
-            version: that of the simulator.
-            joints: the moving joints that it has.
-            bodies: the links that it has.
-            written: the links that it should have; those of the robot by default.
-            others: what else is wrong with the arm.
+    def frames_of(self, held: Model, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
+        """The frames of some links at a joint vector."""
+        held.put(self.values(q))
+        return held.placed(links)
 
-        Raises:
-            LoaderError: it has another arm.
-        """
-        joints = tuple(joints)
-        masses, problems = self.masses(bodies, written)
-        if problems := [*self.joints(joints), *others, *problems]:
-            raise LoaderError(problems)
-        return LoadReport(simulator=self.simulator, version=version, joints=joints, **masses)
+    def poses_of(self, held: Model) -> dict[str, Any]:
+        """As `poses`, of what a simulator has made of the file."""
+        return self.poses(lambda q, links: self.frames_of(held, q, links))
+
+    def lost(self, links: Iterable[str]) -> list[Problem]:
+        """The problems of links that the simulator does not have."""
+        return [self.placed(say("simulator-lost-link", simulator=self.simulator, link=link)) for link in links]
 
     def overlapping(self, found: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
         """The pairs among those that overlap whose contact is a collision: none is joined to the other."""
@@ -248,22 +237,3 @@ class Comparison(measuring.Comparison):
 def share_of(effort: float | None, load: float) -> float:
     """The share of a joint's effort that a load asks; infinite where there is no effort."""
     return abs(load) / effort if effort else math.inf if load else 0.0
-
-
-def printed(simulator: str, request: LoadRequest, messages: Iterable[tuple[str, str]]) -> tuple[Problem, ...]:
-    """The findings in what a simulator printed, each message once, in the order of printing.
-
-    Args:
-        simulator: its name.
-        request: what it was asked to load.
-        messages: the level and the text of each.
-    """
-    return tuple(
-        say(
-            "printed-error" if level.lower() in ("error", "critical") else "printed",
-            robot=request.robot.name,
-            simulator=simulator,
-            text=shown(text, 300),
-        )
-        for level, text in dict.fromkeys(messages)
-    )

@@ -1,16 +1,26 @@
-"""The loaders: their options, the packages that they need, and their records, which name what is imported when used."""
+"""The loaders: their options, the packages that they need, and their records.
+
+Each simulator has a module of its own, which is imported when it is asked. There are `load`, which measures a written
+arm, `inspect`, which tells what became of a file of any origin, and `messages`, which finds the simulator's words in
+what was printed.
+"""
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
-import sys
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from importlib import import_module
+from importlib.metadata import version
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dh2urdf.errors import MissingDependencyError
+from dh2urdf.source import Messages, Problem, shown
 from dh2urdf.stages import LOAD_TIME_LIMIT, Inspects, Loader, ReadsOutput, Requires, Reusable
-from dh2urdf_plugins.late import Late
+
+if TYPE_CHECKING:
+    from dh2urdf.stages import HeldRobot, LoadReport, LoadRequest, Question
+
+say = Messages(__file__)
 
 Engine: TypeAlias = Literal["bullet", "ode", "vortex", "newton", "mujoco"]
 """The physics engines of CoppeliaSim."""
@@ -68,139 +78,183 @@ class CoppeliaSimOptions(SimulatorOptions):
             raise ValueError("port is a number from 1 to 65535")
 
 
-@dataclass(frozen=True, slots=True)
-class Packages:
-    """The packages of one loader, which an extra of its own name installs; Pillow for those that take pictures.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Simulator:
+    """A simulator, and what is asked of it.
 
     Attributes:
-        loader: name of the loader.
-        names: by the module that is imported, the package that has it.
+        name: of the loader, of its module, and of the extra that installs its packages.
+        title: what messages call it.
+        summary: what the loader does.
+        formats: what it loads, the best first.
+        options: those of the loader.
+        packages: by the module that is imported, the package that has it; the first is the simulator's own. A simulator
+            without any is a program.
+        inspected: formats of the files of any origin that it is given, if any.
+        unopened: elements of these files that it takes over without looking at what they name.
     """
 
-    loader: str
-    names: dict[str, str]
+    name: str
+    title: str
+    summary: str
+    formats: str
+    options: type[SimulatorOptions] = SimulatorOptions
+    packages: dict[str, str]
+    inspected: str = ""
+    unopened: tuple[str, ...] = ()
+
+    @property
+    def loader(self) -> Loader[Any]:
+        """The record of the loader."""
+        capabilities: tuple[Any, ...] = (Requires(self.require),)
+        if self.inspected:
+            starts = not self.packages
+            formats = tuple(self.inspected.split())
+            about = (formats, self.title, self.unopened, starts)
+            inspects = Inspects(self.inspect, self.ready, self.complaints, *about)
+            capabilities += (ReadsOutput(self.read_output), Reusable(self.prepare), inspects)
+        return Loader(
+            name=self.name,
+            summary=self.summary,
+            open=self.load,
+            options=self.options,
+            formats=tuple(self.formats.split()),
+            capabilities=capabilities,
+        )
+
+    def _module(self) -> Any:  # noqa: ANN401 - a module
+        return import_module(f"{__package__}.{self.name}")
 
     def require(self, options: SimulatorOptions) -> None:
-        """Ask whether the packages that these options need are there, without importing them.
+        """Ask whether what these options need is there, without importing it.
 
         Raises:
-            MissingDependencyError: one of them is not installed.
+            MissingDependencyError: a package is not installed.
+            MissingProgramError: a program is not installed.
         """
+        if not self.packages:
+            self._module().require()
         for module in self._needed(options):
-            if importlib.util.find_spec(module.partition(".")[0]) is None:
+            if find_spec(module.partition(".")[0]) is None:
                 raise self._missing(module)
 
     def prepare(self, options: SimulatorOptions) -> None:
-        """Import what these options need, as `load` does."""
-        self.load(options)
-
-    def load(self, options: SimulatorOptions) -> Any:  # noqa: ANN401 - a module without type information
-        """Import what these options need, and return the simulator's module.
+        """Import what these options need.
 
         Raises:
             MissingDependencyError: a package is not installed, or lacks a library of the system.
+            MissingProgramError: a program is not installed.
         """
+        if own := getattr(self._module(), "prepare", None):
+            own(options)
         for module in self._needed(options):
             try:
-                importlib.import_module(module)
+                import_module(module)
             except ImportError as error:
                 raise self._missing(module, error) from error
-        return sys.modules[next(iter(self.names))]
 
     def _needed(self, options: SimulatorOptions) -> list[str]:
-        return [*self.names, *(["PIL.Image"] if getattr(options, "picture", False) else [])]
+        return [*self.packages, *(["PIL.Image"] if getattr(options, "picture", False) else [])]
 
     def _missing(self, module: str, reason: str | ImportError = "") -> MissingDependencyError:
-        package = self.names.get(module, "pillow")
-        return MissingDependencyError(f"loader {self.loader!r}", package, f"dh2urdf[{self.loader}]", reason)
+        package = self.packages.get(module, "pillow")
+        return MissingDependencyError(f"loader {self.name!r}", package, f"dh2urdf[{self.name}]", reason)
+
+    def load(self, request: LoadRequest, options: SimulatorOptions) -> LoadReport:
+        """Load a file and measure the arm.
+
+        Raises:
+            LoaderError: the simulator cannot load the file, or holds another arm than the one that was written.
+            MissingDependencyError: as `prepare`.
+        """
+        self.prepare(options)
+        report: LoadReport = self._module().load(request, options)
+        return report
+
+    def read_output(self, request: LoadRequest, output: str) -> tuple[Problem, ...]:
+        """The findings in what the simulator printed, each message once, in the order of printing."""
+        return tuple(
+            say(
+                "printed-error" if level.lower() in ("error", "critical") else "printed",
+                robot=request.robot.name,
+                simulator=self.title,
+                text=shown(text, 300),
+            )
+            for level, text in dict.fromkeys(self._module().messages(output, request))
+        )
+
+    def ready(self) -> str:
+        """Import all that files of any origin need; the version of the simulator."""
+        self.prepare(SimulatorOptions())
+        return version(next(iter(self.packages.values()))) if self.packages else self._module().find_command()[1]
+
+    def inspect(self, question: Question) -> HeldRobot:
+        """What the simulator makes of a file.
+
+        Raises:
+            LoaderError: it refuses the file.
+        """
+        held: HeldRobot = self._module().inspect(question)
+        return held
+
+    def complaints(self, output: str) -> list[str]:
+        """What the simulator printed about a file."""
+        return [text for _, text in self._module().messages(output)]
 
 
-_ZMQ = {"coppeliasim_zmqremoteapi_client": "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"}
-PACKAGES = {
-    "pybullet": Packages("pybullet", {"pybullet": "pybullet"}),
-    "mujoco": Packages("mujoco", {"mujoco": "mujoco"}),
-    "pinocchio": Packages("pinocchio", {"pinocchio": "pin"}),
-    "drake": Packages("drake", {"pydrake": "drake"}),
-    "coppeliasim": Packages("coppeliasim", _ZMQ),
-}
-
-
-def _inspects(name: str, title: str, formats: str, unopened: str = "", *, starts_program: bool = False) -> Inspects:
-    """How the simulator of a loader is given files of any origin."""
-    inspect, prepare, complaints = (
-        Late(f"{__package__}.{name}.model:{function}") for function in ("inspect", "prepare", "complaints")
-    )
-    return Inspects(
-        inspect, prepare, complaints, tuple(formats.split()), title, tuple(unopened.split()), starts_program
-    )
-
-
-_INSPECTING = {
-    "pybullet": _inspects("pybullet", "PyBullet", "urdf sdf mjcf"),
-    "mujoco": _inspects("mujoco", "MuJoCo", "urdf mjcf"),
-    "pinocchio": _inspects("pinocchio", "Pinocchio", "urdf"),
-    "drake": _inspects("drake", "Drake", "urdf sdf mjcf"),
-    "gazebo": _inspects("gazebo", "sdformat", "urdf sdf", "mesh", starts_program=True),
-}
-
-
-def _loader(name: str, formats: str, options: type[SimulatorOptions], summary: str, *own: str) -> Loader[Any]:
-    """The record of a loader.
-
-    Args:
-        name: of the loader, and of the package with its module.
-        formats: what it loads, the best first.
-        options: its options.
-        summary: what it does.
-        own: functions of its module that take the place of those of its packages.
-    """
-
-    def of(function: str) -> Late:
-        return Late(f"{__package__}.{name}.loader:{function}")
-
-    require = of("require") if "require" in own else PACKAGES[name].require
-    capabilities: tuple[Any, ...] = (Requires(require),)
-    if name != "coppeliasim":  # a program of its own, whose console is not ours
-        prepare = of("prepare") if "prepare" in own else PACKAGES[name].prepare
-        capabilities += (ReadsOutput(of("read_output")), Reusable(prepare))
-    if name in _INSPECTING:
-        capabilities += (_INSPECTING[name],)
-    load = of("load")
-    return Loader(
-        name=name,
-        summary=summary,
-        open=load,
-        options=options,
-        formats=tuple(formats.split()),
-        capabilities=capabilities,
-    )
-
-
-LOADERS = (
-    _loader(
-        *("pybullet", "urdf", PyBulletOptions),
-        "loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
+_DRAKE = ("multibody.parsing", "multibody.plant", "multibody.tree", "systems.framework", "geometry")
+SIMULATORS = (
+    Simulator(
+        name="pybullet",
+        title="PyBullet",
+        summary="loads a URDF into PyBullet, compares the arm with the table, lets it hold its weight, takes a picture",
+        formats="urdf",
+        options=PyBulletOptions,
+        packages={"pybullet": "pybullet"},
+        inspected="urdf sdf mjcf",
     ),
-    _loader(
-        *("mujoco", "mjcf urdf", PictureOptions),
-        "loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a picture",
-        "prepare",
+    Simulator(
+        name="mujoco",
+        title="MuJoCo",
+        summary="loads MJCF or URDF into MuJoCo, compares the arm with the table, lets it hold its weight, takes a "
+        "picture",
+        formats="mjcf urdf",
+        options=PictureOptions,
+        packages={"mujoco": "mujoco"},
+        inspected="urdf mjcf",
     ),
-    _loader(
-        *("pinocchio", "urdf", SimulatorOptions),
-        "loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
+    Simulator(
+        name="pinocchio",
+        title="Pinocchio",
+        summary="loads a URDF into Pinocchio, compares the arm with the table, weighs it against its efforts",
+        formats="urdf",
+        packages={"pinocchio": "pin"},
+        inspected="urdf",
     ),
-    _loader(
-        *("drake", "urdf sdf", SimulatorOptions),
-        "loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
+    Simulator(
+        name="drake",
+        title="Drake",
+        summary="loads URDF or SDF into Drake, compares the arm with the table, lets it hold its weight",
+        formats="urdf sdf",
+        packages={"pydrake": "drake", **{f"pydrake.{module}": "drake" for module in _DRAKE}},
+        inspected="urdf sdf mjcf",
     ),
-    _loader(
-        *("gazebo", "sdf urdf", SimulatorOptions),
-        "has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
-        *("require", "prepare"),
+    Simulator(
+        name="gazebo",
+        title="sdformat",
+        summary="has Gazebo's sdformat check SDF, or convert URDF, and compares the model with the table",
+        formats="sdf urdf",
+        packages={},
+        inspected="urdf sdf",
+        unopened=("mesh",),
     ),
-    _loader(
-        *("coppeliasim", "urdf", CoppeliaSimOptions),
-        "has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
+    Simulator(
+        name="coppeliasim",
+        title="CoppeliaSim",
+        summary="has a running CoppeliaSim import a URDF, compares it with the table, lets it hold its weight if asked",
+        formats="urdf",
+        options=CoppeliaSimOptions,
+        packages={"coppeliasim_zmqremoteapi_client": "coppeliasim-zmqremoteapi-client", "zmq": "pyzmq"},
     ),
 )
+LOADERS = tuple(simulator.loader for simulator in SIMULATORS)

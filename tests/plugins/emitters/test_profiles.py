@@ -251,8 +251,7 @@ def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
 
 def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim: Any) -> None:
     """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
-    from dh2urdf_plugins.loaders.coppeliasim.loader import load
-    from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
+    from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
 
     manipulator = next(robot for robot in reference_robots if robot.id == "rtb_Puma560").manipulator
     puma = TRANSFORM.transform(manipulator, TRANSFORM.options())  # Its axes and limits are read right in any file.
@@ -261,7 +260,7 @@ def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim:
     found, masses = {}, {}
     for profile in ("portable", "coppeliasim"):
         request = LoadRequest(path=write(robot, profile), robot=robot, poses=(), expected={})
-        report = load(request, CoppeliaSimOptions(host="127.0.0.1", port=coppeliasim.port))
+        report = LOADERS[-1].open(request, CoppeliaSimOptions(host="127.0.0.1", port=coppeliasim.port))
         found[profile] = " ".join(problem.message for problem in report.findings)
         masses[profile] = report.mass
     assert "static" in found["portable"]

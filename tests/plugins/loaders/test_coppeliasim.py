@@ -13,9 +13,8 @@ import pytest
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.robot import Collision, Mesh
-from dh2urdf_plugins.loaders.coppeliasim import loader as coppeliasim
-from dh2urdf_plugins.loaders.coppeliasim.arm import OPTIONS
-from dh2urdf_plugins.loaders.coppeliasim.loader import load, turn
+from dh2urdf_plugins.loaders import coppeliasim
+from dh2urdf_plugins.loaders.coppeliasim import OPTIONS, turn
 from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
 
 LOADER = next(each for each in LOADERS if each.name == "coppeliasim")
@@ -69,7 +68,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run(peer: Any, request: LoadRequest, **options: Any) -> LoadReport:
-    return load(request, CoppeliaSimOptions(host="127.0.0.1", port=peer.port, **options))
+    return LOADER.open(request, CoppeliaSimOptions(host="127.0.0.1", port=peer.port, **options))
 
 
 def refusal(peer: Any, request: LoadRequest) -> LoaderError:
@@ -291,7 +290,7 @@ def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> No
         if not listens:
             server.close()
         with pytest.raises(MissingProgramError, match=rf"127\.0\.0\.1:{port}: start one .*coppeliaSim\.sh -H"):
-            load(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
+            LOADER.open(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
 
 
 def test_it_works_in_a_child_process(peer: Any, request_for: Any) -> None:

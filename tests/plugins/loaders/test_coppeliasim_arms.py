@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import LoaderError
-from dh2urdf_plugins.loaders.coppeliasim.loader import load
-from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
+from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -45,7 +44,7 @@ BOUND = 1e-11
 def error_of(port: int, request: LoadRequest) -> float | None:
     """The largest position error [m]; None where the loader finds another arm."""
     try:
-        report = load(request, CoppeliaSimOptions(host="127.0.0.1", port=port))
+        report = LOADERS[-1].open(request, CoppeliaSimOptions(host="127.0.0.1", port=port))
     except LoaderError as error:
         assert "does not answer" not in str(error)
         return None

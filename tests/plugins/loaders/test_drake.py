@@ -8,7 +8,6 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf_plugins.loaders.drake.loader import load
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 LOADER = next(each for each in LOADERS if each.name == "drake")
@@ -31,7 +30,7 @@ def run(request: LoadRequest) -> LoadReport:
 def refusal(request: LoadRequest) -> LoaderError:
     """Why a file is refused, in this process: it is quicker, and Drake raises what it would leave by."""
     with pytest.raises(LoaderError) as caught:
-        load(request, OPTIONS)
+        LOADER.open(request, OPTIONS)
     return caught.value
 
 

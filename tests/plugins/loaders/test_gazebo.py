@@ -14,9 +14,8 @@ from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.robot import Link, Origin
-from dh2urdf_plugins.loaders.gazebo import model as gazebo
-from dh2urdf_plugins.loaders.gazebo.loader import load, precision, require
-from dh2urdf_plugins.loaders.gazebo.model import find_command
+from dh2urdf_plugins.loaders import gazebo
+from dh2urdf_plugins.loaders.gazebo import find_command, precision
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ def test_warning_is_a_finding(request_for: Any, planar: Any) -> None:
 def test_turned_frames_are_confirmed(reference_robots: Any, published_request: Any, name: str) -> None:
     """With the frames of the table, whose origins are turned, the arm is the same too."""
     (robot,) = [robot for robot in reference_robots if robot.id == name]
-    assert load(published_request(robot, frames="dh"), OPTIONS).poses == len(robot.q)
+    assert LOADER.open(published_request(robot, frames="dh"), OPTIONS).poses == len(robot.q)
 
 
 @pytest.mark.parametrize("pitch", [1.5707963267948966, 1.5707963, 1.57079, 1.5707, 1.57, 1.5])
@@ -113,7 +112,7 @@ def test_loss_near_the_singular_pitch_is_foreseen(request_for: Any, planar: Any,
     r, t = KinematicChain.between(robot).forward_kinematics(planar.poses[1])
     matrix = (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)
     text = planar.urdf.replace('xyz="0.4 0 0"', f'xyz="0.4 0 0" rpy="{rpy[0]} {pitch!r} {rpy[2]}"')
-    report = load(request_for(text, robot, poses=(planar.poses[1],), expected={"tool0": (matrix,)}), OPTIONS)
+    report = LOADER.open(request_for(text, robot, poses=(planar.poses[1],), expected={"tool0": (matrix,)}), OPTIONS)
     assert report.angle_tolerance is not None
     exact = math.cos(pitch) < 1e-15 or math.cos(pitch) > 0.01
     assert precision(robot).angle <= report.angle_tolerance < (1.1e-12 if exact else 1e-7)
@@ -122,7 +121,7 @@ def test_loss_near_the_singular_pitch_is_foreseen(request_for: Any, planar: Any,
 def test_missing_command_names_the_packages(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without sdformat's command the error says what to install, before a run and in it."""
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    for call in (lambda: require(OPTIONS), lambda: load(request_for(), OPTIONS)):
+    for call in (lambda: LOADER.require(OPTIONS), lambda: LOADER.open(request_for(), OPTIONS)):
         with pytest.raises(MissingProgramError, match="apt-get install ignition-tools libsdformat-dev"):
             call()
 

@@ -11,7 +11,7 @@ import pytest
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.stages import Loader, ReadsOutput
-from dh2urdf_plugins.loaders.gazebo.model import find_command
+from dh2urdf_plugins.loaders.gazebo import find_command
 from dh2urdf_plugins.loaders.simulators import LOADERS
 
 MODULES = {"pinocchio": "pinocchio", "drake": "pydrake", "mujoco": "mujoco", "pybullet": "pybullet"}

@@ -12,9 +12,8 @@ from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf_plugins.formats import mjcf
 from dh2urdf_plugins.formats.urdf import EMITTER
-from dh2urdf_plugins.loaders.mujoco import loader as mujoco_loader
-from dh2urdf_plugins.loaders.mujoco.loader import load
-from dh2urdf_plugins.loaders.mujoco.picture import graphics
+from dh2urdf_plugins.loaders import mujoco as mujoco_loader
+from dh2urdf_plugins.loaders.mujoco import graphics
 from dh2urdf_plugins.loaders.simulators import LOADERS, PictureOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -145,7 +144,7 @@ def test_long_arm_is_measured_but_not_held(request_for: Any, monkeypatch: pytest
         Manipulator(name="long", convention=Convention.STANDARD, rows=rows), TRANSFORM.options()
     )
     (file,) = EMITTER.emit(robot, "long", EMITTER.options())
-    report = load(request_for(file.content.decode(), robot, poses=(), expected={}), OPTIONS)
+    report = LOADER.open(request_for(file.content.decode(), robot, poses=(), expected={}), OPTIONS)
     assert len(report.joints) == 4
     assert report.mass == pytest.approx(robot.mass)
     assert report.hold == {}

@@ -8,8 +8,7 @@ import pytest
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf_plugins.loaders.pinocchio import loader as pinocchio_loader
-from dh2urdf_plugins.loaders.pinocchio.loader import load
+from dh2urdf_plugins.loaders import pinocchio as pinocchio_loader
 from dh2urdf_plugins.loaders.simulators import LOADERS, SimulatorOptions
 
 LOADER = next(each for each in LOADERS if each.name == "pinocchio")
@@ -67,7 +66,7 @@ def test_effort_below_the_weight_is_a_finding(request_for: Any, planar: Any, *, 
 def test_arm_too_long_for_its_memory_is_weighed_only(request_for: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of an arm of more joints than Pinocchio has memory for, joints and masses are compared; that is said."""
     monkeypatch.setattr(pinocchio_loader, "MEASURED_JOINTS", 3)
-    report = load(request_for(), OPTIONS)
+    report = LOADER.open(request_for(), OPTIONS)
     assert len(report.joints) == 4
     assert report.mass == pytest.approx(6.7)
     assert (report.position_error, report.hold) == (None, {})

@@ -9,7 +9,6 @@ from dh2urdf.errors import CrashError, LoaderError
 from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Inertial, Joint, Link, Robot
-from dh2urdf_plugins.loaders.pybullet.loader import load
 from dh2urdf_plugins.loaders.simulators import LOADERS, PyBulletOptions
 
 LOADER = next(each for each in LOADERS if each.name == "pybullet")
@@ -55,9 +54,9 @@ def test_single_precision_is_allowed_for(request_for: Any, planar: Any) -> None:
 
 def test_rewritten_file_is_read_again(request_for: Any, planar: Any) -> None:
     """PyBullet caches files by path: a file rewritten in between is really loaded again, in the same process too."""
-    load(request_for(), OPTIONS)
+    LOADER.open(request_for(), OPTIONS)
     with pytest.raises(LoaderError, match="tool0 in another place"):
-        load(request_for(planar.urdf.replace('xyz="0.4 0 0"', 'xyz="0.5 0 0"')), OPTIONS)
+        LOADER.open(request_for(planar.urdf.replace('xyz="0.4 0 0"', 'xyz="0.5 0 0"')), OPTIONS)
 
 
 def test_crash_is_reported(request_for: Any, planar: Any) -> None:

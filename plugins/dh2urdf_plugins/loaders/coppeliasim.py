@@ -1,4 +1,8 @@
-"""The arm as CoppeliaSim holds it, measured and compared with the robot that was written.
+"""The loader `coppeliasim`: has a running CoppeliaSim import the written URDF, and measures the arm there.
+
+CoppeliaSim is a program of its own. It is asked over its ZMQ remote API, by Coppelia Robotics' own Python client, and
+what it prints stays on its console. It has one scene, which all workers of a run would use at once: each waits for its
+turn.
 
 What its importer makes of a URDF, seen in CoppeliaSim 4.10.0:
 
@@ -16,16 +20,24 @@ an engine may let joints come apart, while they report small displacements: what
 
 from __future__ import annotations
 
+import fcntl
 import math
+import os
+import socket
+import sys
+import tempfile
 import time
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import replace
+from ipaddress import ip_address
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
 from dh2urdf.documents import xml_root
 from dh2urdf.elementwise import total
-from dh2urdf.errors import LoaderError
+from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import placed, tensor
 from dh2urdf.manipulator import Inertia
@@ -34,16 +46,19 @@ from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
 from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
 from dh2urdf.source import Messages, Problem, listed, shown
+from dh2urdf.stages import LOAD_TIME_LIMIT
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
 from dh2urdf_plugins.loaders.measures import HOLD_SECONDS, HOLD_STAYS, Comparison, farthest, hold_start
+from dh2urdf_plugins.loaders.model import Model
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from io import BufferedReader
 
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint
     from dh2urdf.stages import LoadReport, LoadRequest
+    from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 
 say = Messages(__file__)
 
@@ -67,6 +82,93 @@ _MASSLESS = 1e-3
 """What a link without mass may weigh [kg]: the importer's shapes for such links weigh 1e-5."""
 _STOPS_WITHIN = 30.0
 """How long CoppeliaSim may take to stop a simulation [s]."""
+ANSWERS_WITHIN = 5.0
+"""How long a CoppeliaSim may take to answer at all [s]; its client would wait for ever."""
+_AGAIN = 0.02
+"""How long to wait between two looks at whether CoppeliaSim is free [s]."""
+REMEDY = (
+    "start one without a window, in its folder, by ./coppeliaSim.sh -H (with -GzmqRemoteApi.rpcPort=N for another "
+    "port), or say in the loader's options `host` and `port` where it runs"
+)
+
+
+def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
+    """Have CoppeliaSim import a URDF, and measure the arm; it is taken out of the scene again.
+
+    Raises:
+        LoaderError: CoppeliaSim cannot import the file, or holds another arm than the one that was written.
+        MissingProgramError: no CoppeliaSim answers.
+    """
+    import zmq
+
+    client_class = sys.modules["coppeliasim_zmqremoteapi_client"].RemoteAPIClient
+
+    where = f"{options.host}:{options.port}"
+    silent = MissingProgramError("loader 'coppeliasim'", f"a CoppeliaSim that answers at {where}", REMEDY)
+    try:
+        with socket.create_connection((options.host, options.port), ANSWERS_WITHIN) as greeting:
+            address, own = str(greeting.getpeername()[0]), str(greeting.getsockname()[0])
+    except OSError as error:
+        raise silent from error
+    same_machine = address == own or ip_address(address.partition("%")[0]).is_loopback
+    key = f"coppeliasim-{'localhost' if same_machine else address}-{options.port}"
+    with turn(key, f"CoppeliaSim at {where}", LOAD_TIME_LIMIT / 2):
+        client = client_class(options.host, options.port)
+        client.socket.setsockopt(zmq.LINGER, 0)  # What was not delivered must not keep this process from ending.
+        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * ANSWERS_WITHIN))
+        try:
+            client.require("sim")  # Somebody listens: CoppeliaSim, or another program?
+        except zmq.ZMQError as error:
+            raise silent from error
+        client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * LOAD_TIME_LIMIT / 4))
+        with closing(Arm(request, Connection(client), same_machine=same_machine)) as arm:
+            report = arm.report()
+            if options.engine is None:
+                return report
+            held, findings = arm.hold(options.engine)
+            return replace(report, hold=held, findings=(*report.findings, *findings))
+
+
+@contextmanager
+def turn(key: str, what: str, patience: float) -> Iterator[None]:
+    """Wait until no other process of this machine uses a program, and use it alone.
+
+    The system ends the turn of a process that crashes or is killed.
+
+    Args:
+        key: names the program; part of a file name.
+        what: names it in messages.
+        patience: how long to wait [s].
+
+    Raises:
+        LoaderError: others have used it all the time.
+    """
+    path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
+    deadline = time.monotonic() + patience
+    while (lock := _locked(path)) is None:
+        if time.monotonic() > deadline:
+            how = "use fewer workers, or start another one"
+            raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}")
+        time.sleep(_AGAIN)
+    with lock:
+        try:
+            yield
+        finally:
+            with suppress(PermissionError):  # Another user's file stays.
+                path.unlink()
+
+
+def _locked(path: Path) -> BufferedReader | None:
+    """Open and lock a file; None where another process has the lock, or has just removed the file."""
+    with suppress(PermissionError):  # Another user's file can be locked, too.
+        path.touch(mode=0o644)
+    with suppress(BlockingIOError, FileNotFoundError), ExitStack() as opened:
+        file = opened.enter_context(path.open("rb"))
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+            opened.pop_all()
+            return file
+    return None
 
 
 class Connection:
@@ -98,7 +200,7 @@ class Connection:
             raise LoaderError(f"CoppeliaSim refused: {said} (its console says more)") from error
 
 
-class Arm:
+class Arm(Model):
     """The arm as CoppeliaSim holds it, beside the robot that was written.
 
     Args:
@@ -158,20 +260,16 @@ class Arm:
             raise LoaderError([replace(problem, suggestion=advice) for problem in error.problems]) from error
 
     def _report(self) -> LoadReport:
-        start = hold_start(self.robot)
-        frames = self.told_frames(start)
+        start = self.comparison.values(hold_start(self.robot))
+        frames = link_poses(self.robot, start)
         self.put(start)
         child = {joint.name: frames[joint.child] for joint in self.robot.moving_joints}
         joints = [self._held_joint(name, child.get(name, IDENTITY)) for name in self.joints]
-        lost = [
-            self.comparison.placed(say("simulator-lost-link", simulator="CoppeliaSim", link=tip))
-            for tip in self.request.expected
-            if self._shape(tip) is None
-        ]
+        lost = self.comparison.lost(tip for tip in self.request.expected if self._shape(tip) is None)
         if problems := [*self.comparison.joints(joints), *lost]:
             raise LoaderError(problems)
         bodies = self._held_bodies(frames)
-        poses = self.comparison.poses(self._frames)  # Before the masses: in a wrong frame all of them are wrong.
+        poses = self.comparison.poses_of(self)  # Before the masses: in a wrong frame all of them are wrong.
         written = {link.name: link.inertial for link in self.robot.links if link.inertial and link.inertial.mass}
         number = self.ask(self.sim.getInt32Param, self.sim.intparam_program_full_version)
         version = f"{number // 1000000}.{number // 10000 % 100}.{number // 100 % 100}.{number % 100}"
@@ -263,11 +361,11 @@ class Arm:
 
     # Joints and links
 
-    def put(self, q: Sequence[float]) -> None:
-        """Put the arm at a joint vector."""
-        for joint, value in zip(self.robot.moving_joints, q, strict=True):
-            if joint.name in self.joints:
-                self.ask(self.sim.setJointPosition, self.joints[joint.name], float(value))
+    def put(self, values: Mapping[str, float]) -> None:
+        """Put joints at values [rad or m]."""
+        for name, value in values.items():
+            if name in self.joints:
+                self.ask(self.sim.setJointPosition, self.joints[name], float(value))
 
     def _axis(self, handle: int, child: RigidTransform) -> tuple[float, ...]:
         """The axis of a joint in the frame of the link that it moves, given where that is."""
@@ -314,19 +412,10 @@ class Arm:
         """The frame of an object in the world, in whose origin the root stands."""
         return _transform(self.ask(self.sim.getObjectMatrix, handle, _WORLD))
 
-    def _frames(self, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
-        """The frames of some links without shapes of their own at a joint vector."""
-        self.put(q)
-        return self.held_frames(links)
-
-    def held_frames(self, links: Sequence[str]) -> dict[str, RigidTransform]:
+    def placed(self, links: Iterable[str]) -> dict[str, RigidTransform]:
         """The frames of some links without shapes of their own, as CoppeliaSim has them now."""
         shapes = {name: self._shape(name) for name in links}
         return {name: self._frame(shape) for name, shape in shapes.items() if shape is not None}
-
-    def told_frames(self, q: Sequence[float]) -> dict[str, RigidTransform]:
-        """The frames of all links where joints have the values that they tell [rad or m]."""
-        return link_poses(self.robot, dict(zip((joint.name for joint in self.robot.moving_joints), q, strict=True)))
 
     def _findings(self, bodies: dict[str, Body]) -> tuple[Problem, ...]:
         moved = {joint.child for joint in self.robot.moving_joints}
@@ -374,9 +463,9 @@ class Arm:
         ask(sim.setStepping, True)
         apart = dict.fromkeys(self.request.expected, 0.0)
         try:
-            self.put(start)
-            for joint, value in zip(self.robot.moving_joints, start, strict=True):
-                ask(sim.setJointTargetPosition, self.joints[joint.name], float(value))
+            self.put(self.comparison.values(start))
+            for name, value in self.comparison.values(start).items():
+                ask(sim.setJointTargetPosition, self.joints[name], float(value))
             ask(sim.startSimulation)
             displacement = farthest(start, self._vectors(engine, apart))
         finally:
@@ -404,7 +493,7 @@ class Arm:
                     "nothing of it is simulated"
                 )
             q = [ask(sim.getJointPosition, self.joints[joint.name]) for joint in self.robot.moving_joints]
-            told, held = self.told_frames(q), self.held_frames(tuple(apart))
+            told, held = link_poses(self.robot, self.comparison.values(q)), self.placed(apart)
             for tip, most in apart.items():
                 distance = math.dist(told[tip].translation, held[tip].translation)
                 apart[tip] = max(most, distance if math.isfinite(distance) else math.inf)

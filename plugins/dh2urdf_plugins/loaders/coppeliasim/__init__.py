@@ -1,1 +1,0 @@
-"""CoppeliaSim, as a loader."""

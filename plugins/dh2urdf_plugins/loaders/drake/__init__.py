@@ -1,1 +1,0 @@
-"""Drake, as a loader."""

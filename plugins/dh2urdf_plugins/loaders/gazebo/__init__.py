@@ -1,1 +1,0 @@
-"""Gazebo, as a loader."""

@@ -1,0 +1,487 @@
+"""The loader `mujoco`: loads MJCF or URDF into MuJoCo, measures the arm, and takes what MuJoCo reports about it.
+
+MuJoCo compiles a file into arrays: orientations become quaternions, an inertia its principal moments in a frame of
+their own, fixed links without `fusestatic="false"` a part of the link that holds them. It has no velocity limits.
+https://mujoco.readthedocs.io/en/stable/modeling.html says, under "URDF extensions", what it reads of a URDF.
+
+Quaternions and principal moments cost little: over the published arms, tool0 was found within 5e-16 of the reach and
+3e-15 rad, inertias within 5e-15 of their trace. So MuJoCo is measured with what any double precision is allowed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes.util
+import importlib
+import math
+import os
+import re
+import sys
+from dataclasses import replace
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+from dh2urdf.errors import LoaderError
+from dh2urdf.kinematics.mass import GRAVITY
+from dh2urdf.manipulator import JointType
+from dh2urdf.measuring import Body
+from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
+from dh2urdf.source import Messages, shown
+from dh2urdf.stages import HeldRobot
+from dh2urdf_plugins.home_pose import stepped
+from dh2urdf_plugins.loaders.measures import (
+    HOLD_SECONDS,
+    HOLD_STAYS,
+    OVERLAP,
+    Comparison,
+    farthest,
+    hold_start,
+    rotation,
+    vector,
+)
+from dh2urdf_plugins.loaders.model import (
+    COLLISION,
+    VISUAL,
+    Lengths,
+    Model,
+    lengths,
+    lengths_of,
+    refused,
+    told_bodies,
+    told_shapes,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+    from pathlib import Path
+
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import LoadReport, LoadRequest, Question
+    from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+    from dh2urdf_plugins.loaders.viewpoint import View
+
+say = Messages(__file__)
+
+TIME_STEP = 0.001
+"""Time step of the hold test [s]."""
+YIELD = HOLD_STAYS / 4
+"""Displacement at which a motor of the hold test gives its full effort [rad or m]."""
+MOTOR_SETTLING = 0.05
+"""Time constant with which such a motor settles [s]."""
+WEIGHT_RISES = HOLD_SECONDS / 2
+"""Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
+FOLLOW_SECONDS = 3.0
+"""Time that the arm has to follow a step of its targets [s]."""
+REACHED = 0.005
+"""Distance from its target at which a joint has reached it [rad or m]."""
+OVERSHOOT = 0.5
+"""Share of the step by which a joint may overshoot at most."""
+FASTEST_JOINT = 8.0
+"""Speed up to which a joint follows a step without being thrown [rad/s or m/s]."""
+HELD_JOINTS = 300
+"""Largest number of joints of a hold test: the time of a step grows with its cube, and beyond it takes minutes."""
+
+_SHADOW_MAP = 4096  # [pixels]; with more, the processor that renders is busy with the shadow map most of the time
+_LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}  # MuJoCo's name of a way to render, and the library that it needs
+_SKY = ((0.97, 0.98, 1.0), (0.90, 0.92, 0.95))  # above and below
+_THICKER = 0.003  # by what share a link is drawn thicker than the one before: more than its facets are flat
+_VISUALS, _FLOORS = 1, 2  # groups of shapes; MuJoCo puts what a URDF says to collide into group 0
+
+
+class Held(Model):
+    """What MuJoCo makes of a file; of a written one, the root is in the world's origin.
+
+    Raises:
+        ValueError: MuJoCo refuses the file.
+        mujoco.FatalError: as before.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.mujoco: Any = sys.modules["mujoco"]
+        self.mujoco.set_mju_user_warning(_print_warning)
+        self.model = self.mujoco.MjModel.from_xml_path(str(path))
+        self.data = self.mujoco.MjData(self.model)
+        self.bodies = {self.model.body(number).name: number for number in range(self.model.nbody)}
+        sites = {self.model.site(number).name: number for number in range(self.model.nsite)}
+        self.sites = {name: number for name, number in sites.items() if name not in self.bodies}
+        self.joints = {self.model.joint(number).name: number for number in range(self.model.njnt)}
+
+    def put(self, values: Mapping[str, float]) -> None:
+        """Put joints at values [rad or m], and the others where the file has them."""
+        self.mujoco.mj_resetData(self.model, self.data)
+        for name, value in values.items():
+            if name in self.joints:
+                self.data.qpos[int(self.model.jnt_qposadr[self.joints[name]])] = value
+        self.mujoco.mj_kinematics(self.model, self.data)
+
+    def placed(self, links: Iterable[str]) -> dict[str, RigidTransform]:
+        """The frames of some links, sites among them, in the world."""
+        data, frames = self.data, {}
+        for name in links:
+            if name in self.sites:
+                site = self.sites[name]
+                frames[name] = RigidTransform(rotation(data.site_xmat[site]), vector(data.site_xpos[site]))
+            else:
+                body = self.bodies[name]
+                frames[name] = RigidTransform(rotation(data.xmat[body]), vector(data.xpos[body]))
+        return frames
+
+    def held_joint(self, number: int) -> dict[str, Any]:
+        """A joint as MuJoCo has it; limits that make no sense, it has switched off."""
+        model, types = self.model, self.mujoco.mjtJoint
+        limited = bool(model.jnt_limited[number])
+        kinds = {int(types.mjJNT_HINGE): "revolute" if limited else "continuous", int(types.mjJNT_SLIDE): "prismatic"}
+        kind = int(model.jnt_type[number])
+        limits = [model.jnt_actfrcrange[number][1]] if model.jnt_actfrclimited[number] else []
+        moved_by = model.actuator_trnid[:, 0] == number
+        limits += list(model.actuator_forcerange[moved_by & (model.actuator_forcelimited != 0), 1])
+        return {
+            "name": model.joint(number).name,
+            "type": kinds.get(kind, types(kind).name),
+            "axis": vector(model.jnt_axis[number]),
+            "lower": float(model.jnt_range[number][0]) if limited else None,
+            "upper": float(model.jnt_range[number][1]) if limited else None,
+            "effort": float(min(limits)) if limits else None,
+        }
+
+    def held_bodies(self) -> dict[str, Body]:
+        """The links as MuJoCo has them, a site without mass; inertias are turned back from their principal axes."""
+        bodies = {name: Body(0.0, ZERO, (0.0,) * 9) for name in self.sites}
+        for name, number in self.bodies.items():
+            axes = rotation(self._matrix(self.model.body_iquat[number]))
+            a, b, c = vector(self.model.body_inertia[number])
+            tensor = multiply(multiply(axes, (a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c)), transpose(axes))
+            mass = float(self.model.body_mass[number])
+            # The centre of no mass is wherever MuJoCo's compiler left it.
+            bodies[name] = Body(mass, vector(self.model.body_ipos[number]) if mass else ZERO, tensor)
+        return bodies
+
+    def held_mimic(self, number: int) -> tuple[str, float, float] | None:
+        """Which joint a joint follows by an equality constraint: its name, the factor and the offset."""
+        model = self.model
+        for at in range(model.neq):
+            kind, first, second = int(model.eq_type[at]), int(model.eq_obj1id[at]), int(model.eq_obj2id[at])
+            if kind == int(self.mujoco.mjtEq.mjEQ_JOINT) and first == number and second >= 0:
+                offset, factor = (float(each) for each in model.eq_data[at][:2])
+                return model.joint(second).name, factor, offset
+        return None
+
+    def held_shapes(self) -> Iterator[tuple[str, str, Lengths]]:
+        """The lengths of the shapes of each body; one that touches nothing is for the eye."""
+        model, types = self.model, self.mujoco.mjtGeom
+        for at in range(model.ngeom):
+            kind, (x, y, z) = int(model.geom_type[at]), model.geom_size[at]
+            if kind == int(types.mjGEOM_MESH):  # MuJoCo has turned it to its principal axes.
+                mesh = int(model.geom_dataid[at])
+                first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+                turned = self._matrix(model.mesh_quat[mesh])
+                size = lengths_of(model.mesh_vert[first : first + count] @ turned.reshape(3, 3).T)
+            else:
+                by_kind = {
+                    int(types.mjGEOM_SPHERE): (2 * x, 2 * x, 2 * x),
+                    int(types.mjGEOM_CAPSULE): (2 * x, 2 * x, 2 * (x + y)),
+                    int(types.mjGEOM_CYLINDER): (2 * x, 2 * x, 2 * y),
+                }
+                size = lengths(*by_kind.get(kind, (2 * x, 2 * y, 2 * z)))
+            touches = model.geom_contype[at] or model.geom_conaffinity[at]
+            yield model.body(int(model.geom_bodyid[at])).name, COLLISION if touches else VISUAL, size
+
+    def _matrix(self, quaternion: Any) -> Any:  # noqa: ANN401 - arrays
+        import numpy as np
+
+        matrix = np.zeros(9)
+        self.mujoco.mju_quat2Mat(matrix, quaternion)
+        return matrix
+
+
+def prepare(options: SimulatorOptions) -> None:
+    """Import MuJoCo, which asks the environment once, while it is imported, by what to render."""
+    if library := graphics() if getattr(options, "picture", False) else "disable":
+        os.environ["MUJOCO_GL"] = library
+    with contextlib.suppress(Exception):  # Whatever a broken graphics library raises: MuJoCo works without one.
+        importlib.import_module("mujoco")
+    if "mujoco" not in sys.modules:
+        os.environ["MUJOCO_GL"] = "disable"
+
+
+# --- The arm of a run
+
+
+def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
+    """Load an MJCF or a URDF into MuJoCo and measure it.
+
+    A picture that cannot be taken, where there is no graphics library, is a finding.
+
+    Raises:
+        LoaderError: MuJoCo cannot load the file, or holds another arm than the one that was written.
+    """
+    arm = Arm(request)
+    report = arm.report()
+    if request.picture:
+        try:
+            arm.write_picture(request.picture)
+        except _NoGraphicsError as error:
+            finding = arm.comparison.placed(say("mujoco-no-picture", reason=error))
+            return replace(report, findings=(*report.findings, finding))
+        report = replace(report, picture=request.picture.name)
+    return report
+
+
+class Arm:
+    """The arm as MuJoCo holds it, beside the robot that was written.
+
+    Raises:
+        LoaderError: MuJoCo cannot load the file, or has fused links of it.
+    """
+
+    def __init__(self, request: LoadRequest) -> None:
+        self.robot, self.path = request.robot, request.path.resolve()
+        self.mujoco: Any = sys.modules["mujoco"]
+        self.comparison = Comparison("MuJoCo", request)
+        try:
+            self.held = Held(self.path)
+        except (ValueError, self.mujoco.FatalError) as error:
+            said = " ".join(str(error).split())
+            raise LoaderError(self.comparison.placed(say("mujoco-cannot-load", reason=said))) from error
+        self._servo = int(self.mujoco.mjtBias.mjBIAS_AFFINE)
+        held = {*self.held.bodies, *self.held.sites}
+        if fused := [shown(link.name) for link in self.robot.links if link.name not in held]:
+            raise LoaderError(self.comparison.placed(say("mujoco-fused-links", links=fused)))
+
+    def report(self) -> LoadReport:
+        """Measure everything but the picture.
+
+        Raises:
+            LoaderError: MuJoCo holds another arm.
+        """
+        model = self.held.model
+        joints = [self.held.held_joint(number) for number in range(model.njnt)]
+        report = self.comparison.loaded(version("mujoco"), joints, self.held.held_bodies())
+        joints = [{**joint, "velocity": None} for joint in joints]
+        report = replace(report, joints=tuple(joints), **self.comparison.poses_of(self.held))
+        if not joints:
+            return report
+        if len(joints) > HELD_JOINTS:
+            found, accepted = f"{len(joints)} moving joints", f"at most {HELD_JOINTS} moving joints"
+            return replace(report, findings=self.comparison.too_large("mujoco-hold-left-out", found, accepted))
+        hold, findings = self._hold()
+        if hold["stayed"] and model.nkey and (model.actuator_biastype == self._servo).any():
+            followed, more_findings = self._follow()
+            hold, findings = {**hold, **followed}, (*findings, *more_findings)
+        return replace(report, hold=hold, findings=findings)
+
+    def _addresses(self, model: Any) -> list[int]:  # noqa: ANN401 - MuJoCo's model
+        """Where in a model's array of positions the values of a joint vector stand."""
+        return [int(model.joint(joint.name).qposadr[0]) for joint in self.robot.moving_joints]
+
+    def _hold(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+        """Whether motors keep the arm where it is under gravity, with the efforts that MuJoCo read."""
+        mujoco, start = self.mujoco, hold_start(self.robot)
+        model = self._with_motors()
+        model.opt.timestep = TIME_STEP
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        data, places = mujoco.MjData(model), self._addresses(model)
+        data.qpos[places] = start
+        data.ctrl[:] = data.qpos[[int(model.jnt_qposadr[joint]) for joint in model.actuator_trnid[:, 0]]]
+        mujoco.mj_forward(model, data)
+        names, body = {number: name for name, number in self.held.bodies.items()}, model.geom_bodyid
+        touching = [contact for contact in data.contact if contact.dist < -OVERLAP]
+        contacts = self.comparison.overlapping((names[body[at.geom1]], names[body[at.geom2]]) for at in touching)
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+
+        def vectors() -> Iterator[Any]:
+            for step in range(round(HOLD_SECONDS / TIME_STEP)):
+                model.opt.gravity[:] = (0.0, 0.0, -GRAVITY * min(1.0, step * TIME_STEP / WEIGHT_RISES))
+                mujoco.mj_step(model, data)
+                if self._has_begun_anew(data):
+                    yield [math.inf] * len(places)  # MuJoCo has put the arm back to where it began.
+                    return
+                yield data.qpos[places]
+
+        return self.comparison.hold(start, farthest(start, vectors()), contacts)
+
+    def _with_motors(self) -> Any:  # noqa: ANN401 - MuJoCo's model
+        """The model with a position servo on every joint, which MuJoCo itself keeps within the effort it read.
+
+        A servo that the file has is taken as it is; a motor gets a control. The servo is a stiff spring and damper. The
+        damper is integrated implicitly: with a time constant of half a time step or more, the two are stable at any
+        stiffness.
+        """
+        mujoco = self.mujoco
+        spec = mujoco.MjSpec.from_file(str(self.path))
+        own = {actuator.target: actuator for actuator in spec.actuators}
+        for joint in self.robot.moving_joints:
+            servo = own.get(joint.name)
+            if not (effort := joint.limits.effort) or (servo and servo.biastype == self._servo):
+                continue
+            stiffness = effort / YIELD
+            servo = servo or spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
+            servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
+            servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+            servo.gainprm[0] = stiffness
+            servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * MOTOR_SETTLING
+            servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
+        return spec.compile()
+
+    def _follow(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+        """Whether the servos of the file bring all joints to targets a step from home, with its own time steps."""
+        import numpy as np
+
+        mujoco, model = self.mujoco, self.held.model
+        data, joints = mujoco.MjData(model), [joint for joint in self.robot.moving_joints if joint.limits.effort]
+        places = [int(model.joint(joint.name).qposadr[0]) for joint in joints]
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        start = data.qpos[places]
+        target = np.array([stepped(joint, 1.0) for joint in joints])
+        for joint, value in zip(joints, target, strict=True):
+            data.actuator(joint.name).ctrl[0] = value
+        beyond, speed = np.zeros(len(joints)), 0.0
+        for _ in range(round(FOLLOW_SECONDS / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+            beyond = np.fmax(beyond, (data.qpos[places] - target) / (target - start))
+            speed = max(speed, float(np.abs(data.qvel).max()))
+        errors, overshoot = np.abs(data.qpos[places] - target), float(beyond.max())
+        if self._has_begun_anew(data):
+            errors[:] = np.inf
+        error, joint = float(errors.max()), joints[int(errors.argmax())]
+        followed = {
+            "target_error": error if math.isfinite(error) else None,
+            "overshoot": overshoot,
+            "largest_speed": speed,
+        }
+        if error <= REACHED and overshoot < OVERSHOOT and speed <= FASTEST_JOINT:
+            return followed, ()
+        unit = "m" if joint.type is JointType.PRISMATIC else "rad"
+        by = f"{error:.3g} {unit} from its target" if math.isfinite(error) else "thrown away"
+        about = {"seconds": FOLLOW_SECONDS, "by": by, "overshoot": overshoot, "speed": speed}
+        return followed, (self.comparison.weak(joint, "servos-do-not-follow", **about),)
+
+    def _has_begun_anew(self, data: Any) -> bool:  # noqa: ANN401 - MuJoCo's data
+        """Whether MuJoCo has begun the simulation anew, since numbers grew beyond all bounds."""
+        kinds = self.mujoco.mjtWarning
+        bad = (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)
+        return any(data.warning[int(kind)].number for kind in bad)
+
+    def write_picture(self, path: Path) -> None:
+        """Render the arm in a pose that shows it well, without a display: by EGL or OSMesa, whichever is installed.
+
+        Raises:
+            _NoGraphicsError: there is no library that renders without a display.
+        """
+        from PIL import Image
+
+        from dh2urdf_plugins.loaders.viewpoint import best_view, write_png
+
+        links = [link.name for link in self.robot.links]
+        view = best_view(self.robot, lambda q: self.comparison.frames_of(self.held, q, links))
+        model = self._lit_model(view)
+        data = self.mujoco.MjData(model)
+        data.qpos[self._addresses(model)] = view.q
+        self.mujoco.mj_forward(model, data)
+        write_png(Image.fromarray(_render(self.mujoco, model, data, view)), path)
+
+    def _lit_model(self, view: View) -> Any:  # noqa: ANN401 - MuJoCo's model
+        """The model on a light floor, under a light sky, with a lamp that throws shadows."""
+        from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, FLOOR, HEIGHT, SUPERSAMPLING, WIDTH
+
+        mujoco = self.mujoco
+        spec = mujoco.MjSpec.from_file(str(self.path))
+        spec.stat.center, spec.stat.extent = view.target, view.distance / 4
+        spec.visual.global_.fovy = math.degrees(FIELD_OF_VIEW)
+        spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
+        spec.visual.quality.shadowsize, spec.visual.quality.offsamples = _SHADOW_MAP, 0
+        spec.visual.quality.numslices = 96
+        spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
+        spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
+        spec.visual.headlight.specular = (0.0, 0.0, 0.0)
+        sky = spec.add_texture(name="dh2urdf sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=1536)
+        sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
+        sky.rgb1, sky.rgb2 = _SKY
+        (x, y, z), half = view.floor
+        floor = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=(x, y, z - half / 100))
+        floor.size, floor.rgba, floor.group = (half, half, half / 100), FLOOR, _FLOORS
+        away = (0.6, -0.5, 1.2)
+        place = [at + 2 * view.distance * to for at, to in zip(view.target, away, strict=True)]
+        lamp = spec.worldbody.add_light(pos=place)
+        lamp.dir = [-to for to in away]
+        lamp.diffuse, lamp.specular, lamp.castshadow = (0.55, 0.55, 0.55), (0.1, 0.1, 0.1), True
+        lamp.cutoff, lamp.exponent = 30.0, 0.0
+        model = spec.compile()
+        # Where links of one thickness overlap, their surfaces would fight for the same pixels.
+        model.geom_size *= 1.0 + _THICKER * (model.geom_bodyid[:, None] % 4)
+        return model
+
+
+class _NoGraphicsError(Exception):
+    """Nothing can be rendered on this machine."""
+
+
+def graphics() -> str | None:
+    """What to render by, as MuJoCo's variable MUJOCO_GL has it; None where MuJoCo knows, or the variable is set."""
+    if sys.platform != "linux" or os.environ.get("MUJOCO_GL"):
+        return None
+    return next((name for name, library in _LIBRARIES.items() if ctypes.util.find_library(library)), "disable")
+
+
+def _render(mujoco: Any, model: Any, data: Any, view: View) -> Any:  # noqa: ANN401 - MuJoCo's, and an array of pixels
+    from dh2urdf_plugins.loaders.viewpoint import AZIMUTH, ELEVATION, HEIGHT, SUPERSAMPLING, WIDTH
+
+    camera, drawn = mujoco.MjvCamera(), mujoco.MjvOption()
+    camera.lookat[:], camera.distance = view.target, view.distance
+    camera.azimuth, camera.elevation = math.degrees(AZIMUTH) + 180.0, -math.degrees(ELEVATION)
+    drawn.geomgroup[:] = 0
+    drawn.geomgroup[_FLOORS] = 1
+    drawn.geomgroup[_VISUALS if _VISUALS in model.geom_group else 0] = 1
+    if not hasattr(mujoco, "GLContext"):
+        raise _NoGraphicsError("there is no library that renders without a display")
+    try:
+        renderer = mujoco.Renderer(model, HEIGHT * SUPERSAMPLING, WIDTH * SUPERSAMPLING)
+    except Exception as error:  # A library that is there and does not work raises errors of its own.
+        raise _NoGraphicsError(" ".join(str(error).split()) or type(error).__name__) from error
+    try:
+        renderer.update_scene(data, camera, drawn)
+        return renderer.render()
+    finally:
+        renderer.close()
+
+
+# --- A file of any origin
+
+
+def inspect(question: Question) -> HeldRobot:
+    """What MuJoCo makes of a URDF or an MJCF.
+
+    Raises:
+        LoaderError: it refuses the file.
+    """
+    mujoco: Any = sys.modules["mujoco"]
+    try:
+        held = Held(question.path)
+    except (ValueError, mujoco.FatalError) as error:
+        raise refused(error, question) from error
+    model, free = held.model, int(mujoco.mjtJoint.mjJNT_FREE)
+    names = [name for number in range(1, model.nbody) if (name := model.body(number).name)]
+    bodies = held.held_bodies()
+    moving = [number for number in range(model.njnt) if int(model.jnt_type[number]) != free]
+    return HeldRobot(
+        links=told_bodies({name: bodies[name] for name in names}),
+        joints=[{**held.held_joint(number), "mimic": held.held_mimic(number)} for number in moving],
+        frames=held.told_frames(names, question.postures),
+        shapes=told_shapes(held.held_shapes()),
+        root_is_loose=bool((model.jnt_type == free).any()),
+    )
+
+
+def _print_warning(text: str | bytes) -> None:
+    """Print a warning; without this, MuJoCo writes it into a file in the working directory too."""
+    words = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    os.write(2, f"WARNING: {' '.join(words.split())}\n".encode())
+
+
+_MESSAGE = re.compile(r"^(?:WARNING|ERROR): *(.+?) *$", re.MULTILINE)
+_UNNAMED = "Geom with duplicate name ''"  # MuJoCo 3.3 prints this for every file with two shapes: shapes have no names
+
+
+def messages(output: str, _request: LoadRequest | None = None) -> list[tuple[str, str]]:
+    """MuJoCo's warnings; what graphics libraries print is not about the arm."""
+    return [("", text) for text in _MESSAGE.findall(output) if not text.startswith(_UNNAMED)]

@@ -1,1 +1,0 @@
-"""MuJoCo, as a loader."""

@@ -1,0 +1,236 @@
+"""The loader `pinocchio`: loads a URDF into Pinocchio, measures the arm, and reads what its parser prints.
+
+Pinocchio is a library of rigid-body algorithms and simulates nothing: whether the arm can hold its weight is asked of
+its recursive Newton-Euler algorithm. It keeps moving bodies only, and adds to each what fixed joints hold to it; links
+are frames. https://gepettoweb.laas.fr/doc/stack-of-tasks/pinocchio has its documentation.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from dataclasses import replace
+from functools import cached_property
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dh2urdf.errors import LoaderError
+from dh2urdf.kinematics.mass import GRAVITY
+from dh2urdf.manipulator import JointType
+from dh2urdf.measuring import Body
+from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Messages
+from dh2urdf.stages import HeldRobot
+from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, rotation, share_of, vector
+from dh2urdf_plugins.loaders.model import COLLISION, VISUAL, Lengths, Model, lengths, refused, told_bodies, told_shapes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from dh2urdf.robot import Joint
+    from dh2urdf.source import Problem
+    from dh2urdf.stages import LoadReport, LoadRequest, Question
+    from dh2urdf_plugins.loaders.simulators import SimulatorOptions
+
+say = Messages(__file__)
+
+MEASURED_JOINTS = 250
+"""Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
+of their number, here half a gigabyte."""
+_UNIVERSE = 0  # the joint that holds the root
+_WHOLE_TURNS = 2  # coordinates of a joint that turns without end: cosine and sine
+
+
+class Held(Model):
+    """What Pinocchio makes of a URDF.
+
+    Raises:
+        ValueError: Pinocchio refuses the file; the reason stands only in what its parser prints.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.pinocchio: Any = sys.modules["pinocchio"]
+        self.model = self.pinocchio.buildModelFromUrdf(str(path))
+        self.joints = {name: number for number, name in enumerate(self.model.names) if number != _UNIVERSE}
+        frames, body = enumerate(self.model.frames), self.pinocchio.FrameType.BODY
+        self.numbers = {frame.name: number for number, frame in frames if frame.type == body}
+
+    @cached_property
+    def data(self) -> Any:  # noqa: ANN401 - Pinocchio's working memory
+        """The working memory, which may be large."""
+        return self.model.createData()
+
+    def held_joints(self) -> list[dict[str, Any]]:
+        """The joints as Pinocchio has them; an axis is read off the columns of the joint's motion subspace."""
+        return [self._held_joint(number) for number in self.joints.values()]
+
+    def _held_joint(self, number: int) -> dict[str, Any]:
+        model, joint = self.model, self.model.joints[number]
+        if joint.nv != 1:
+            return {"name": model.names[number], "type": joint.shortname()}
+        turning = joint.createData()
+        joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
+        *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
+        slides = any(along)
+        endless = joint.nq == _WHOLE_TURNS
+        return {
+            "name": model.names[number],
+            "type": "prismatic" if slides else "continuous" if endless else "revolute",
+            "axis": tuple(along) if slides else (rx, ry, rz),
+            "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
+            "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
+            "velocity": float(model.velocityLimit[joint.idx_v]),
+            "effort": float(model.effortLimit[joint.idx_v]),
+        }
+
+    def held_bodies(self, carriers: Mapping[str, int | None]) -> dict[str, Body]:
+        """The bodies by the names of the links that carry them, given the joints that hold these."""
+        inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}
+        return {
+            name: Body(float(inertia.mass), vector(inertia.lever), rotation(inertia.inertia))
+            for name, inertia in inertias.items()
+        }
+
+    def coordinates(self, values: Mapping[str, float]) -> Any:  # noqa: ANN401 - an array of Pinocchio's coordinates
+        """Values of joints in Pinocchio's coordinates: cosine and sine of a joint that turns without end."""
+        coordinates = self.pinocchio.neutral(self.model)
+        for name, value in values.items():
+            joint = self.model.joints[self.joints[name]] if name in self.joints else None
+            if joint is None or joint.nv != 1:
+                continue
+            if joint.nq == _WHOLE_TURNS:
+                coordinates[joint.idx_q : joint.idx_q + 2] = math.cos(value), math.sin(value)
+            else:
+                coordinates[joint.idx_q] = value
+        return coordinates
+
+    def put(self, values: Mapping[str, float]) -> None:
+        """Put joints at values [rad or m]."""
+        self.pinocchio.framesForwardKinematics(self.model, self.data, self.coordinates(values))
+
+    def placed(self, links: Iterable[str]) -> dict[str, RigidTransform]:
+        """The frames of some links in the root."""
+        frames = ((name, self.data.oMf[self.numbers[name]]) for name in links)
+        return {name: RigidTransform(rotation(frame.rotation), vector(frame.translation)) for name, frame in frames}
+
+
+class _Load(NamedTuple):
+    """What gravity asks of a joint: a share of its effort, the force or torque [N or N·m], and where."""
+
+    share: float
+    force: float
+    joint: Joint
+    q: tuple[float, ...]
+
+
+def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
+    """Load a URDF into Pinocchio and measure it.
+
+    Raises:
+        LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
+    """
+    robot, comparison = request.robot, Comparison("Pinocchio", request)
+    try:
+        held = Held(request.path.resolve())
+    except ValueError as error:  # The reason stands only in what the parser prints.
+        raise LoaderError(comparison.placed(say("cannot-load", simulator="Pinocchio"))) from error
+    joints = held.held_joints()
+    carriers = {joint.child: held.joints.get(joint.name) for joint in robot.moving_joints}
+    bodies, written = held.held_bodies({**carriers, robot.root: _UNIVERSE}), lumped_bodies(robot)
+    lost = [link.name for link in robot.links if link.name not in held.numbers]
+    report = comparison.loaded(version("pin"), joints, bodies, written, comparison.lost(lost))
+    if len(joints) > MEASURED_JOINTS:
+        found, accepted = f"{len(joints)} moving joints", f"at most {MEASURED_JOINTS} moving joints"
+        return replace(report, findings=comparison.too_large("pinocchio-arm-too-large", found, accepted))
+    report = replace(report, **comparison.poses_of(held))
+    if not joints:
+        return report
+    hold, findings = _hold(held, comparison)
+    return replace(report, hold=hold, findings=findings)
+
+
+def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+    """Whether the efforts that Pinocchio read hold the arm at its start and at every pose that was measured."""
+    start = hold_start(comparison.robot)
+    vectors = (start, *comparison.request.poses)
+    worst = max((load for q in vectors for load in _loads(held, comparison, q)), key=lambda load: load.share)
+    hold = {
+        "start": start,
+        "poses": len(vectors),
+        "largest_load": worst.share if math.isfinite(worst.share) else None,
+        "joint": worst.joint.name,
+        "q": worst.q,
+        "threshold": 1.0,
+        "stayed": worst.share <= 1.0,
+    }
+    if hold["stayed"]:
+        return hold, ()
+    unit = "N" if worst.joint.type is JointType.PRISMATIC else "N·m"
+    return hold, (comparison.weak(worst.joint, "arm-too-heavy", q=worst.q, force=worst.force, unit=unit),)
+
+
+def _loads(held: Held, comparison: Comparison, q: Sequence[float]) -> Iterator[_Load]:
+    """What gravity asks of every joint at a joint vector, at rest."""
+    import numpy as np
+
+    model = held.model
+    model.gravity.linear = np.array((0.0, 0.0, -GRAVITY))
+    rest = np.zeros(model.nv)
+    forces = held.pinocchio.rnea(model, held.data, held.coordinates(comparison.values(q)), rest, rest)
+    for joint in comparison.robot.moving_joints:
+        at = model.joints[held.joints[joint.name]].idx_v
+        force, effort = abs(float(forces[at])), float(model.effortLimit[at])
+        yield _Load(share_of(effort, force), force, joint, tuple(q))
+
+
+def inspect(question: Question) -> HeldRobot:
+    """What Pinocchio makes of a URDF.
+
+    Raises:
+        LoaderError: it refuses the file.
+    """
+    try:
+        held = Held(question.path)
+    except UnicodeError:  # It takes no path with bytes that are no text; what it makes of the file is not known.
+        raise
+    except (ValueError, RuntimeError) as error:
+        raise refused("", question) from error
+    carriers: dict[int, str] = {}
+    for name, number in held.numbers.items():
+        carriers.setdefault(int(held.model.frames[number].parentJoint), name)
+    bodies = told_bodies(held.held_bodies({name: number for number, name in carriers.items()}))
+    refusals: list[str] = []
+    return HeldRobot(
+        links={name: bodies.get(name) for name in held.numbers},
+        joints=[{**joint, "mimic": None} for joint in held.held_joints()],
+        frames=held.told_frames(held.numbers, question.postures),
+        shapes=told_shapes(_shapes(held, question, refusals)),
+        refusals=refusals,
+    )
+
+
+def _shapes(held: Held, question: Question, refusals: list[str]) -> Iterator[tuple[str, str, Lengths]]:
+    """The lengths of the shapes, which Pinocchio reads by a function of their own, and may refuse."""
+    folders = sorted({str(folder.parent) for folder in question.packages.values()} | {str(question.path.parent)})
+    kinds = held.pinocchio.GeometryType
+    for kind, word in ((kinds.VISUAL, VISUAL), (kinds.COLLISION, COLLISION)):
+        try:
+            shapes = held.pinocchio.buildGeomFromUrdf(held.model, str(question.path), kind, package_dirs=folders)
+        except (ValueError, RuntimeError) as error:
+            refusals.append(f"{word} shapes: {refused(error, question)}")
+            continue
+        for shape in shapes.geometryObjects:
+            shape.geometry.computeLocalAABB()
+            box = shape.geometry.aabb_local
+            yield held.model.frames[shape.parentFrame].name, word, lengths(box.width(), box.height(), box.depth())
+
+
+# What Pinocchio's parser, urdfdom, prints: a level, a text, and in the next line where in urdfdom's source it stands.
+_MESSAGE = re.compile(r"^(Warning|Error): *(.*?) *$", re.MULTILINE)
+
+
+def messages(output: str, _request: LoadRequest | None = None) -> list[tuple[str, str]]:
+    """The warnings and errors that Pinocchio's parser printed."""
+    return _MESSAGE.findall(output)

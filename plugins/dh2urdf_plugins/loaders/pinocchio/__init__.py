@@ -1,1 +1,0 @@
-"""Pinocchio, as a loader."""

@@ -1,1 +1,0 @@
-"""PyBullet, as a loader."""

@@ -17,8 +17,7 @@ import orjson
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.journal import MANIFEST
-from dh2urdf.output.name_set import NameSet
-from dh2urdf.output.whole_files import checked
+from dh2urdf.output.whole_files import NameSet, checked
 
 if TYPE_CHECKING:
     from io import BytesIO

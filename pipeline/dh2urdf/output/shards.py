@@ -7,22 +7,19 @@ contents alone: no time, no owner. A member can be read by itself, at the offset
 
 from __future__ import annotations
 
+import io
 import os
-import re
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple, Self
+from typing import TYPE_CHECKING, Self
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.whole_files import checked, refused, reporting_os_errors, safe_stem, write_all
-from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable
     from types import TracebackType
 
     from dh2urdf.output.store import Store
-
-say = Messages(__file__)
 
 _BLOCK = 512
 """Headers and contents begin at multiples of this [byte] (POSIX.1-2017, pax, "ustar Interchange Format")."""
@@ -41,7 +38,6 @@ _REST = b"0" + bytes(100) + b"ustar\x0000" + bytes(32 + 32 + 8 + 8 + 155 + 12)
 _FIXED_SUM = sum(_OWNER + _TIME + _REST) + 8 * ord(" ")
 _LONGEST_NAME = 100
 _ZEROS = bytes(_BLOCK)
-_EXTENDED = b"x"
 
 
 def shard_stem(name: str) -> str:
@@ -58,7 +54,7 @@ class ShardWriter:
 
     def __init__(self, store: Store, name: str) -> None:
         self._store, self._name = store, checked(name)
-        self._parts: list[bytes] = []
+        self._parts: list[bytes | memoryview] = []
         self._size = self._written = self._released = 0
 
     def __enter__(self) -> Self:
@@ -72,8 +68,7 @@ class ShardWriter:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         with self._stack:
             if error is None:
-                end = self._size + 2 * _BLOCK
-                self._parts.append(bytes(2 * _BLOCK + -end % _RECORD))
+                self._parts.append(_end(self._size))
                 self._write()
                 with reporting_os_errors(self._place):
                     self._file.close()
@@ -85,11 +80,10 @@ class ShardWriter:
         Returns:
             Where its content begins [byte].
         """
-        header = _header(checked(name), len(content))
-        offset = self._size + len(header)
-        padding = -len(content) % _BLOCK
-        self._parts += (header, content, _ZEROS[:padding])
-        self._size = offset + len(content) + padding
+        parts = _parts(checked(name), content)
+        offset = self._size + len(parts[0])
+        self._parts += parts
+        self._size += sum(map(len, parts))
         if self._size - self._written >= _AT_ONCE:
             self._write()
         return offset
@@ -109,6 +103,16 @@ class ShardWriter:
     @property
     def _place(self) -> str:
         return f"{self._store}/{self._name}"
+
+
+def _parts(name: str, content: bytes | memoryview) -> tuple[bytes, bytes | memoryview, bytes]:
+    """What a shard has of a file: its header, its content, and zeros up to the next block."""
+    return _header(name, len(content)), content, _ZEROS[: -len(content) % _BLOCK]
+
+
+def _end(size: int) -> bytes:
+    """The zeros behind the last file of a shard, which ends there at some size."""
+    return bytes(2 * _BLOCK + -(size + 2 * _BLOCK) % _RECORD)
 
 
 def _header(name: str, size: int) -> bytes:
@@ -134,58 +138,24 @@ def _header(name: str, size: int) -> bytes:
     return b"".join((encoded.ljust(_LONGEST_NAME, b"\x00"), _OWNER, length, _TIME, checksum, _REST))
 
 
-class Member(NamedTuple):
-    """A file in a shard.
+def members(content: bytes) -> dict[str, memoryview]:
+    """The files of a shard by their names, as far as `tarfile` finds them."""
+    import tarfile
 
-    Attributes:
-        name: its name.
-        offset: where its content begins [byte].
-        content: what is in it.
-    """
-
-    name: str
-    offset: int
-    content: bytes
+    found: dict[str, memoryview] = {}
+    with suppress(tarfile.TarError, ValueError), tarfile.open(fileobj=io.BytesIO(content), mode="r:") as shard:
+        for member in shard:
+            found[member.name] = memoryview(content)[member.offset_data :][: member.size]
+    return found
 
 
-def members(shard: BinaryIO) -> Iterator[Member]:
-    """The files of a shard, in their order, read in one pass.
-
-    Every byte is compared with what `ShardWriter` writes of the same names and contents, from the first header to the
-    zeros at the end. (`tarfile` takes a damaged header for the end of the shard, and reads nothing behind the end.)
-
-    Raises:
-        OutputError: the shard has other bytes, or ends too soon; it comes after the files before that place.
-    """
-    position = 0
-    while (header := shard.read(_BLOCK)) != _ZEROS:
-        name, size = _read_header(header, position)
-        offset = position + _BLOCK
-        if header[156:157] == _EXTENDED:  # It holds the name of the next one.
-            extension = shard.read(size + -size % _BLOCK)
-            record = re.fullmatch(rb"[0-9]+ path=(.*)\n", extension[:size], re.DOTALL)
-            name = record[1].decode(errors="replace") if record else name
-            header += extension + (last := shard.read(_BLOCK))
-            size = _read_header(last, position)[1]
-            offset = position + len(header)
-        content = shard.read(size + -size % _BLOCK)
-        if header != _header(name, size) or content[size:] != _ZEROS[: -size % _BLOCK]:
-            raise _damaged(position)
-        yield Member(name, offset, content[:size])
-        position = offset + len(content)
-    rest = bytes(_BLOCK + -(position + 2 * _BLOCK) % _RECORD)
-    if shard.read(len(rest) + 1) != rest:
-        raise _damaged(position)
-
-
-def _read_header(header: bytes, position: int) -> tuple[str, int]:
-    """The name and the size that a header has, right or wrong."""
-    try:
-        name, size = header[:_LONGEST_NAME].rstrip(b"\x00").decode(errors="replace"), header[124:135].decode("ascii")
-        return name, int(size if size.isdigit() else "", 8)
-    except ValueError as error:
-        raise _damaged(position) from error
-
-
-def _damaged(position: int) -> OutputError:
-    return OutputError(say("shard-damaged", position=position))
+def is_shard_of(content: bytes, files: Iterable[tuple[str, bytes | memoryview]]) -> bool:
+    """Whether a shard has, to the last byte, what `ShardWriter` writes of files with these names and contents."""
+    whole, position = memoryview(content), 0
+    with suppress(OutputError):  # of a name that has no bytes
+        for part in (part for name, inner in files for part in _parts(name, inner)):
+            if whole[position:][: len(part)] != part:
+                return False
+            position += len(part)
+        return whole[position:] == _end(position)
+    return False

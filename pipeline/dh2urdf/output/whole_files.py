@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.documents.text_files import ADDRESS, is_file, is_folder, is_there
 from dh2urdf.errors import OutputError
-from dh2urdf.output.name_set import NameSet
 from dh2urdf.source import Messages, Problem, shown
 
 if TYPE_CHECKING:
@@ -67,6 +66,24 @@ def safe_stem(name: str) -> str:
         digest = sha256(name.encode(errors="surrogatepass")).hexdigest()[:12]
         stem = f"{stem.encode()[: LONGEST_STEM - 13].decode(errors='ignore')}-{digest}"
     return stem
+
+
+class NameSet:
+    """A set of names that only grows.
+
+    Of a million names, two have the same hash once in forty million runs: a name then counts as known that is new.
+    """
+
+    def __init__(self) -> None:
+        self._hashes: set[int] = set()
+
+    def known(self, names: Iterable[str]) -> set[str]:
+        """Return those of some names that were added before."""
+        return {name for name in names if hash(name) in self._hashes}
+
+    def add(self, names: Iterable[str]) -> None:
+        """Remember some names."""
+        self._hashes.update(map(hash, names))
 
 
 class Stems:

@@ -10,7 +10,6 @@ from hypothesis import given, strategies as st
 
 import dh2urdf
 from dh2urdf.errors import OutputError
-from dh2urdf.output import write_whole
 from dh2urdf.output.whole_files import (
     LONGEST_STEM,
     Stems,
@@ -19,6 +18,7 @@ from dh2urdf.output.whole_files import (
     staging,
     write_all,
     write_files,
+    write_whole,
 )
 from dh2urdf.stages import EmittedFile
 

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Robot
-from dh2urdf.robot_check import check_robot
+from dh2urdf.robot_check import check_robot, sure_columns
 from dh2urdf.stage_calls.calls import Call, a_record, blaming, depending_on
 from dh2urdf.stages import Edit
 from dh2urdf.variations.drawn_links import torn_links
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from dh2urdf.cells.cell import Cell
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.source import Mark, Problem
     from dh2urdf.stages import Transform
+
+R = TypeVar("R", Manipulator, Robot)
 
 
 def make_item(
@@ -72,13 +76,11 @@ def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> 
     table = manipulator
     for call in edits:
         if call.stage.edit_table is not None:
-            with blaming(call):
-                table = a_record(call.stage.edit_table(table, call.options), Manipulator)
-                refuse_new_name(table.name, manipulator.name)
-    return with_torn_links(table, manipulator)
+            table = _edited(call, call.stage.edit_table, table)
+    return _with_torn_links(table, manipulator)
 
 
-def with_torn_links(table: Manipulator, original: Manipulator) -> Manipulator:
+def _with_torn_links(table: Manipulator, original: Manipulator) -> Manipulator:
     """An edited table, with a notice where its links do not follow the edits."""
     torn = () if table is original else tuple(torn_links(original, table, "the edits change"))
     return replace_unchecked(table, notices=(*table.notices, *torn)) if torn else table
@@ -102,13 +104,11 @@ def _robot_of(
     known: Manipulator | None = robot.manipulator or table
     for call in edits:
         if call.stage.edit_robot is not None:
-            with blaming(call):
-                changed = a_record(call.stage.edit_robot(robot, call.options), Robot)
-                refuse_new_name(changed.name, robot.name)
-            robot, found = changed, _found_wrong(changed, table.mark, after=call)
+            robot = _edited(call, call.stage.edit_robot, robot)
+            found = _found_wrong(robot, table.mark, after=call)
             known = known if keeps_kinematics(call) else None
     new = [notice.about(robot=table.name) for notice in new_notices(table, original)]
-    comment = with_edits(robot.comment, edits)
+    comment = _with_edits(robot.comment, edits)
     return replace(robot, notices=(*new, *robot.notices, *found), manipulator=known, comment=comment)
 
 
@@ -117,16 +117,30 @@ def new_notices(table: Manipulator, original: Manipulator) -> list[Problem]:
     return [notice for notice in table.notices if notice not in original.notices]
 
 
-def with_edits(comment: str, edits: Sequence[Call[Edit[Any]]]) -> str:
+def _with_edits(comment: str, edits: Sequence[Call[Edit[Any]]]) -> str:
     """A comment that also names the edits, so that a reader of the file knows that the table was changed."""
     named = f"edited by {', '.join(call.stage.name for call in edits)}" if edits else ""
     return "; ".join(filter(None, (comment, named)))
 
 
-def refuse_new_name(name: str, before: str) -> None:
-    """Raises a ValueError where an edit has changed a name."""
-    if name != before:
-        raise ValueError(f"it changed the name {before!r:.60} to {name!r:.60}; files are named before edits are made")
+def _edited(call: Call[Edit[Any]], function: Callable[[R, Any], R], record: R) -> R:
+    """What an edit makes of a table or of a robot, of one or of many in columns.
+
+    Raises:
+        DividedError: it would make different things of the members of columns.
+        ManipulatorError: it refuses the record, or is at fault.
+    """
+    with blaming(call):
+        try:
+            changed = a_record(function(record, call.options), type(record))
+        except DividedError as error:
+            divided = error
+        else:
+            if changed.name != record.name:
+                found = f"{record.name!r:.60} to {changed.name!r:.60}"
+                raise ValueError(f"it changed the name {found}; files are named before edits are made")
+            return changed
+    raise divided
 
 
 def _found_wrong(robot: Robot, mark: Mark | None, after: Call[Edit[Any]] | None = None) -> list[Problem]:
@@ -142,3 +156,56 @@ def _found_wrong(robot: Robot, mark: Mark | None, after: Call[Edit[Any]] | None 
             problems = [replace(each, message=f"after the {after}{whose}: {each.message}") for each in problems]
         raise RobotError(problems)
     return problems
+
+
+# --- Many at once, in columns -----------------------------------------------------------------------------------------
+
+
+def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]]) -> ManipulatorColumns:
+    """Many manipulators after the edits of tables.
+
+    Raises:
+        DividedError: an edit would make different things of the members.
+        ManipulatorError: an edit refuses a member, or is at fault.
+    """
+    original = columns.table
+    for call in edits:
+        if call.stage.edit_table is not None:
+            columns = replace(columns, table=_edited(call, call.stage.edit_table, columns.table))
+            if len(columns.table.rows) != len(columns.lines[0]):
+                columns = replace(columns, lines=((None,) * len(columns.table.rows),) * len(columns))
+            with blaming(call):
+                columns.pick(0)  # The checks of a manipulator, which a table of columns does without.
+    table = _with_torn_links(columns.table, original)
+    return columns if table is columns.table else replace(columns, table=table)
+
+
+def edited_robots(robots: RobotColumns, edits: Sequence[Call[Edit[Any]]], notices: Sequence[Problem]) -> RobotColumns:
+    """Many robots after the edits of robots.
+
+    Args:
+        robots: what the transform made.
+        edits: all edits of the run.
+        notices: what the edits of their tables have noticed.
+
+    Raises:
+        DividedError: an edit would make different things of the members.
+        ManipulatorError: an edit refuses a member, or is at fault.
+    """
+    for call in edits:
+        if call.stage.edit_robot is not None:
+            robot = _edited(call, call.stage.edit_robot, robots.robot)
+            if robots.present and _shapes(robot)[: len(robots.robot.links)] != _shapes(robots.robot):
+                raise DividedError(robots.sure)  # Which shapes only some of them have is no longer known.
+            robots = replace(robots, robot=robot, sure=robots.sure & sure_columns(robot, robots.names))
+    robot = robots.robot
+    return replace(
+        robots,
+        robot=replace(robot, notices=(*notices, *robot.notices), comment=_with_edits(robot.comment, edits)),
+        comments=tuple([_with_edits(comment, edits) for comment in robots.comments]),
+    )
+
+
+def _shapes(robot: Robot) -> list[tuple[str, int]]:
+    """The links, each with its number of collision shapes."""
+    return [(link.name, len(link.collisions)) for link in robot.links]

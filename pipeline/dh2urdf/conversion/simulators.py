@@ -6,7 +6,7 @@ import time
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from types import NoneType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
@@ -78,20 +78,6 @@ def not_loaded(recipe: Recipe, outcome: Outcome, *, is_sampled: bool) -> dict[st
     return {call.stage.name: why for call in recipe.loaders}
 
 
-class Loaded(NamedTuple):
-    """What came of all loaders.
-
-    Attributes:
-        verdicts: what came of each, by its name.
-        pictures: the pictures that simulators took, by their names.
-        failures: what the loaders raised that may not fail.
-    """
-
-    verdicts: dict[str, Verdict]
-    pictures: dict[str, bytes]
-    failures: tuple[ManipulatorError | InputError, ...]
-
-
 def picture_endings(recipe: Recipe) -> list[str]:
     """Return what the names of the pictures of each loader have behind the stem; the first has none of its own."""
     is_free = all(".png" not in call.stage.suffixes for call in recipe.emitters)
@@ -108,7 +94,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     stem: str,
     seconds: dict[str, float],
     children: KeptChildren,
-) -> Loaded:
+) -> tuple[dict[str, Verdict], dict[str, bytes], list[ManipulatorError | InputError]]:
     """Ask all loaders of a recipe about the files of a manipulator; whatever one says, the next is asked.
 
     Args:
@@ -120,6 +106,9 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
         stem: the stem of their names.
         seconds: takes how long each loader took [s].
         children: the children of loaders that are kept.
+
+    Returns:
+        What came of each loader and the pictures, by their names, and what the loaders raised that may not fail.
 
     Raises:
         PluginError: what a loader needs is not installed, and the loader is not optional.
@@ -155,7 +144,7 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
                 pictures[report.picture] = picture.with_name(report.picture).read_bytes()
         finally:
             seconds[f"load {name}"] = time.perf_counter() - started
-    return Loaded(verdicts, pictures, tuple(failures))
+    return verdicts, pictures, failures
 
 
 def _missing(report: LoadReport, why: str) -> Verdict:

@@ -11,7 +11,7 @@ from dh2urdf.manipulator import BASE as BASE_LINK, JointType
 from dh2urdf.source import Messages, Problem, printable
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
 
     from dh2urdf.commands.convert import Conversion
@@ -171,9 +171,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
                 raise ConfigError(say("binary-in-json", emitter=stage)) from None
     filled: Any = {what.replace(" ", "_"): list(names) for what, names in _filled(conversion).items()}
     return {
-        "source": source,
-        "status": "ok",
-        "kind": None,
+        **_row(source, conversion.notices),
         "name": manipulator.name,
         "convention": manipulator.convention.value,
         "joints": [{"name": row.joint, "type": row.type.value} for row in manipulator.rows],
@@ -181,17 +179,21 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
         "keeps_kinematics": conversion.keeps_kinematics,
         "proof": {stage: proof_facts(proof) if proof else None for stage, proof in conversion.proofs.items()},
         "filled_in": filled,
-        "notices": [notice.as_json() for notice in conversion.notices],
-        "errors": [],
     }
 
 
 def failed_row(source: str, kind: str, error: Dh2UrdfError) -> ConversionEntry:
     """What became of a table that could not be converted, for a reason of some kind."""
+    errors = [problem.as_json() for problem in getattr(error, "problems", ())]
+    return {**_row(source, getattr(error, "notices", ())), "status": "failed", "kind": kind, "errors": errors}
+
+
+def _row(source: str, notices: Iterable[Problem]) -> ConversionEntry:
+    """What a table has of which nothing is known but notices."""
     return {
         "source": source,
-        "status": "failed",
-        "kind": kind,
+        "status": "ok",
+        "kind": None,
         "name": None,
         "convention": None,
         "joints": [],
@@ -199,6 +201,6 @@ def failed_row(source: str, kind: str, error: Dh2UrdfError) -> ConversionEntry:
         "keeps_kinematics": True,
         "proof": {},
         "filled_in": {},
-        "notices": [notice.as_json() for notice in getattr(error, "notices", ())],
-        "errors": [problem.as_json() for problem in getattr(error, "problems", ())],
+        "notices": [notice.as_json() for notice in notices],
+        "errors": [],
     }

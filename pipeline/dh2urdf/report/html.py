@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.output.layouts import Layout
     from dh2urdf.output.store import Store
-    from dh2urdf.report.manifest import FirstManipulators, ManifestWriter
+    from dh2urdf.report.manifest import ManifestWriter
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import ManipulatorEntry
     from dh2urdf.run_file.plan import Plan
@@ -50,13 +50,12 @@ LARGEST_PICTURE = 4_000_000
 _LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
-def page(manifest: ManifestWriter, overview: Overview, manipulators: FirstManipulators, plan: Plan) -> bytes:
+def page(manifest: ManifestWriter, overview: Overview, plan: Plan) -> bytes:
     """The page of a run.
 
     Args:
         manifest: its manifest, and what was gathered from it.
         overview: what else was gathered from it.
-        manipulators: what the run's first manipulators are made of.
         plan: what was done.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -83,7 +82,7 @@ def page(manifest: ManifestWriter, overview: Overview, manipulators: FirstManipu
     style, script = (templates.get_source(environment, name)[0] for name in ("page.css", "page.js"))
     shown = [
         _detailed(number, overview.first[number - 1], what, recipe)
-        for number, what in enumerate(manipulators.shown(overview.count), start=1)
+        for number, what in enumerate(manifest.shown(overview.count), start=1)
     ]
     text = environment.get_template("page.html").render(
         version=__version__,

@@ -20,8 +20,7 @@ from dh2urdf.errors import pip_install
 from dh2urdf.kinematics.facts import KinematicFacts, kinematic_facts, kinematic_facts_of_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
-from dh2urdf.report.verdicts import Verdicts
-from dh2urdf.tasks.failure_index import FailureIndex
+from dh2urdf.report.verdicts import FailureIndex, Verdicts
 from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
 
 if TYPE_CHECKING:
@@ -77,6 +76,7 @@ class ManifestWriter:
         self.axes: list[ArmAxes] = []
         self._place = place
         self._axes_left = REPORTED
+        self._first: list[Single] = []
 
     def add(self, report: BatchReport) -> None:
         """Add the rows of a batch.
@@ -88,9 +88,8 @@ class ManifestWriter:
             write_all(self.rows.fileno(), report.rows)
 
     def see(self, batch: Batch) -> None:
-        """Note the axes of a batch's tables; batches come in the order of the run."""
-        if not self._axes_left:
-            return
+        """Keep what is in a batch, and the axes of its tables; batches come in the order of the run."""
+        self._first += batch.begin(FULL - len(self._first))
         groups, singles = batch.first_groups(self._axes_left)
         found: list[tuple[int, tuple[str, ...], AxesEntry]] = [
             (place, arms, axes_entry(table)) for place, what in singles.items() for arms, table in tables_of(what)
@@ -102,25 +101,9 @@ class ManifestWriter:
             self.axes.append({"name": batch.names[place], "arms": list(arms), **entry})
         self._axes_left = max(0, self._axes_left - len(batch))
 
-
-class FirstManipulators:
-    """Keeps what a run's first manipulators are made of.
-
-    Args:
-        most: how many at most.
-    """
-
-    def __init__(self, most: int = FULL) -> None:
-        self._most = most
-        self._found: list[Single] = []
-
-    def see(self, batch: Batch) -> None:
-        """Keep what is in a batch; batches come in the order of the run."""
-        self._found += batch.begin(self._most - len(self._found))
-
     def shown(self, count: int) -> list[Single]:
-        """Those that are shown of a run of so many manipulators."""
-        return self._found if count <= self._most else self._found[:EXAMPLES]
+        """What is shown in full of a run of so many manipulators, on its page."""
+        return self._first if count <= FULL else self._first[:EXAMPLES]
 
 
 def tables_of(what: object) -> list[tuple[tuple[str, ...], Manipulator]]:

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
-from dh2urdf.conversion.column_edits import edited_robots, edited_tables
 from dh2urdf.conversion.keys import column_keys, key_of, whole
 from dh2urdf.conversion.one_manipulator import (
     Recipe,
@@ -28,7 +27,7 @@ from dh2urdf.conversion.one_manipulator import (
     with_notices,
 )
 from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
-from dh2urdf.conversion.robots import make_item, new_notices
+from dh2urdf.conversion.robots import edited_robots, edited_tables, make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_of
 from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
@@ -426,8 +425,8 @@ class Work:
                 raise TableError(what.problems)
             if isinstance(what, Doomed):
                 raise what.error
-            loads = self.worker.effect is Depth.MAKE and index in self.recipe.sample
-            loaders = self.recipe.loaders if loads else ()
+            is_loaded = self.worker.effect is Depth.MAKE and index in self.recipe.sample
+            loaders = self.recipe.loaders if is_loaded else ()
             with watched(self.worker.home, time_limit_of(self.recipe, loaders)):
                 with timed(seconds, "transform"):
                     robot, expected = make_item(what, self.recipe.transform, self.recipe.edits)
@@ -453,12 +452,13 @@ class Work:
                         refuse_undeclared_files(call, [batch.stems[place]], [made.files])
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:
-                        stem = batch.stems[place]
-                        kept = self.worker.children
-                        loaded = load_with_all(expected, robot, self.recipe, written, folder, stem, seconds, kept)
-                        outcome = replace(outcome, loads=loaded.verdicts, pictures=loaded.pictures)
-                        if loaded.failures:
-                            outcome = self._failed(outcome, place, loaded.failures)
+                        stem, kept = batch.stems[place], self.worker.children
+                        loads, pictures, failures = load_with_all(
+                            expected, robot, self.recipe, written, folder, stem, seconds, kept
+                        )
+                        outcome = replace(outcome, loads=loads, pictures=pictures)
+                        if failures:
+                            outcome = self._failed(outcome, place, failures)
         except OutputError:
             raise
         except (ManipulatorError, InputError) as error:

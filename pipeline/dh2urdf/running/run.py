@@ -23,7 +23,6 @@ from dh2urdf.report.manifest import (
     FULL,
     PAGE,
     TABLE,
-    FirstManipulators,
     ManifestWriter,
     can_write_html,
     run_report,
@@ -129,7 +128,7 @@ def execute(
     if dry_run:
         with reporting_the_disk(tempfile.gettempdir()), tempfile.TemporaryFile(prefix="dh2urdf-") as rows:
             manifest = ManifestWriter(rows, tempfile.gettempdir(), told)
-            _make(plan, Depth.LOOK, "", None, manifest, result, note, FirstManipulators(0))
+            _make(plan, Depth.LOOK, "", None, manifest, result, note)
             report = run_report(manifest, result)
         result.seconds["total"] = time.perf_counter() - started
         return result, report
@@ -143,11 +142,10 @@ def execute(
     ):
         journal = next_journal(reports)
         path = folder / "manifest"
-        first_manipulators = FirstManipulators()
         with path.open("w+b") as rows:
             manifest = ManifestWriter(rows, f"{reports}/{MANIFEST}", told, Verdicts.of(plan.recipe))
             try:
-                _make(plan, Depth.MAKE, journal, earlier, manifest, result, note, first_manipulators)
+                _make(plan, Depth.MAKE, journal, earlier, manifest, result, note)
             except TableError:  # There is nothing to go on with.
                 reports.remove_tree(journal if resume else JOURNAL)
                 raise
@@ -159,7 +157,7 @@ def execute(
                 overview = Overview(FULL)
             report = write_reports(reports, manifest, result, folder / TABLE, overview)
             if overview:
-                reports.write(PAGE, page(manifest, overview, first_manipulators, plan))
+                reports.write(PAGE, page(manifest, overview, plan))
             else:
                 reports.remove(PAGE)  # An older one would describe another run.
             # While the old manifest is there, as what is removed is known from it alone.
@@ -191,7 +189,6 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
     manifest: ManifestWriter,
     result: Result,
     note: Note | None,
-    first_manipulators: FirstManipulators,
 ) -> None:
     """Make all manipulators, and write the rows of the manifest."""
     worker = BatchWorker(
@@ -212,7 +209,6 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             for batch in batches(plan, expected, OWN_FILES):
                 known = replace(batch, rows=earlier.of(batch.names)) if earlier else batch
                 under_way.append(known)
-                first_manipulators.see(batch)
                 manifest.see(batch)
                 yield known
 

@@ -31,7 +31,7 @@ pytest.importorskip("matplotlib")
 
 from dh2urdf.report.figures import Workspace, arm_skeleton
 from dh2urdf.report.html import page
-from dh2urdf.report.manifest import EXAMPLES, FULL, FirstManipulators, ManifestWriter, write_reports
+from dh2urdf.report.manifest import EXAMPLES, FULL, ManifestWriter, write_reports
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
 from dh2urdf.report.reproduction import reproduction
 
@@ -352,7 +352,7 @@ class TestManyManipulators:
                 write_reports(plan.store, manifest, Result(), None, overview)
                 _, peak = tracemalloc.get_traced_memory()
                 tracemalloc.stop()
-            return page(manifest, overview, FirstManipulators(0), plan), peak
+            return page(manifest, overview, plan), peak
 
         few, small = made(22_000)
         many, large = made(30_000)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.tasks.failure_index import LONGEST_REASON, MAX_NAMES, MAX_REASONS, FailureIndex, pattern
+from dh2urdf.report.verdicts import LONGEST_REASON, MAX_NAMES, MAX_REASONS, FailureIndex, pattern
 
 
 def row(name: str = "arm", **facts: Any) -> dict[str, Any]:

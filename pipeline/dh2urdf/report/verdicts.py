@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 MOST_NOTICES = 200
 """Different notices of simulators that are counted one by one; the manifest has the others too."""
 _COUNTS = ("of", "passed", "failed", "missing", "not_in_sample", "no_file")
-_QUOTED = re.compile(r"'[^']*'")
-_NUMBER = re.compile(r"[-+]?\b\d[\w.+-]*")
-_SEVERAL = re.compile(r"…(?:(?:, | and )…| …)+")
+_SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
 
 MAX_REASONS = 100
 """Reasons of one kind of failure that the index tells apart."""
@@ -32,9 +30,9 @@ MAX_NAMES = 1000
 LONGEST_REASON = 300
 """Characters of a reason; of a longer one the beginning counts."""
 
-_IN_QUOTES = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
-_ANY_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
-_SOME_NUMBERS = re.compile(r"#(?:, #)+")
+_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
+_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
+_NUMBERS = re.compile(r"#(?:, #)+")
 
 
 class Verdicts:
@@ -96,7 +94,7 @@ class Verdicts:
 
 def alike(message: str) -> str:
     """What a message has in common with those that name other joints, links and numbers."""
-    return _SEVERAL.sub("…", _NUMBER.sub("…", _QUOTED.sub("…", message)))
+    return _SEVERAL.sub("…", pattern(message))
 
 
 def coverage_line(coverage: Mapping[str, CoverageEntry]) -> str:
@@ -208,5 +206,5 @@ class FailureIndex:
 
 def pattern(message: str) -> str:
     """Return a message without what differs between manipulators: quoted text is '…', a number or several are #."""
-    without = _ANY_NUMBER.sub("#", _IN_QUOTES.sub("'…'", message[: 4 * LONGEST_REASON]))
-    return _SOME_NUMBERS.sub("#", without)[:LONGEST_REASON]
+    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_REASON]))
+    return _NUMBERS.sub("#", without)[:LONGEST_REASON]

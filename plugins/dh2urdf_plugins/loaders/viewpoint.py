@@ -8,7 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import JointType
-from dh2urdf.output.whole_files import write_whole
+from dh2urdf.output import write_whole
 from dh2urdf.robot import Box, Cylinder, Link, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, Vec3
 from dh2urdf_plugins.loaders.measures import clipped, vector

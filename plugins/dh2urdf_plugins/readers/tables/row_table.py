@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.output.whole_files import NameSet
+from dh2urdf.output import NameSet
 from dh2urdf.source import Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.comments.sentences import declare, declare_types

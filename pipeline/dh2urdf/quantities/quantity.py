@@ -74,10 +74,11 @@ def evaluate(
     Raises:
         QuantityError: it is no such quantity, not a finite one, or one that can be read in two ways.
     """
-    plain = re.fullmatch(_DECIMAL, text)
+    number = text.replace(",", ".") if decimal_comma and "." not in text else text
+    plain = re.fullmatch(_DECIMAL, number)
     if plain and len(text) <= MAX_CHARACTERS:
         decimal = Decimal(plain[1], int(plain[2] or 0))
-        value = Intermediate(float(text), decimal)
+        value = Intermediate(float(number), decimal)
     else:
         if angle is None and unit is not None and unit.dimension is Dimension.ANGLE:
             angle = unit

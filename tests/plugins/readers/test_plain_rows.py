@@ -374,15 +374,12 @@ def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkey
         list(csv.READER.read(path, TableOptions(convention="standard")))
 
 
-def test_a_notice_that_the_fast_way_lacks_is_named() -> None:
-    """The message has the words of the notice, as a person could act on them."""
+def test_a_notice_that_the_fast_way_lacks_is_another_reading() -> None:
     row = DHRow(joint="j1", link="link_1", a=0.1, alpha=0.0, d=0.1)
     fast = Manipulator(name="arm", convention=Convention.STANDARD, rows=(row,))
     careful = replace_unchecked(fast, notices=(Problem(message="a column is left out"),))
     compare(fast, fast, 1)
-    with pytest.raises(
-        TableError, match="the fast reading has no notice, and the careful reading has: a column is left out"
-    ):
+    with pytest.raises(TableError, match="a column is left out"):
         compare(fast, careful, 1)
     compare(fast, careful, 0)  # Notices of a part of the rows are no notices of the arm.
 

@@ -9,25 +9,25 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections import defaultdict
-from itertools import accumulate, chain, pairwise
-from math import remainder
+from itertools import accumulate, pairwise, starmap
 from operator import add, methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from dh2urdf.columns import column
 from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
-from dh2urdf.rotations import HALF_PI, quarter_turns
+from dh2urdf.rotations import HALF_PI
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.header_rows import is_beside
 from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_value
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.plain.limits import PlainLimits
-from dh2urdf_plugins.readers.plain.numbers import PlainNumbers, declared_unit, dimension_of
+from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
+from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, meant_by
 from dh2urdf_plugins.readers.statements.plausibility import LONGEST_ARM, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, NEARLY, REMEMBERED
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
@@ -35,7 +35,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS, is_no_joint, joint_type
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, added_joints
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Hashable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf_plugins.readers.header.columns import Columns
@@ -45,9 +45,12 @@ T = TypeVar("T")
 Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
-_WORDS = ("robot", "convention", "index", "joint", "link", "type")
-_OTHERS = tuple(name for name in (*NUMBERS, *COM, *INERTIA) if name not in GEOMETRY)
+_WORDS = frozenset(("robot", "convention", "index", "joint", "link", "type"))
+_NUMBERS = tuple(dict.fromkeys((*GEOMETRY, *NUMBERS, *COM, *INERTIA, "sign", *LIMITS)))
+_POSITIVE = tuple(name for name in _NUMBERS if name not in {*GEOMETRY, "sign", "lower", "upper"})
 """Numbers that have to do with no other number of their row."""
+_LARGEST = {JointType.REVOLUTE: LARGEST_LIMIT, JointType.PRISMATIC: sys.float_info.max}
+"""The largest bound that needs no word, by the type of a joint; the other types have no bounds."""
 _HASH = methodcaller("startswith", "#")
 
 
@@ -55,27 +58,17 @@ class PlainRows:
     """Reads the rows of manipulators that are behind each other, where they are plain."""
 
     def __init__(self, columns: Columns, units: Units) -> None:
-        """Takes what holds for all rows of a table.
-
-        Args:
-            columns: its columns.
-            units: the units of its numbers.
-        """
-        self.units, self.headers = units, columns.headers
-        self.width = len(columns.fields)
-        self.holding_numbers = columns.numbers
+        """Takes what holds for all rows of a table: its columns, and the units of its numbers."""
+        self.units, self.headers, self.holding_numbers = units, columns.headers, columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
         self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
-        others = set(range(self.width)) - {*self.column.values(), *columns.ignored}
+        others = set(range(len(columns.fields))) - {*self.column.values(), *columns.ignored}
         self.others = {index: set[str]() for index in sorted(others)}
         self.usable = self._is_usable(columns, units)
-        self.slides = _may_slide(self.column, units)
-        self.numbers = {
-            name: PlainNumbers(name, units) for name in (*GEOMETRY, *_OTHERS, "sign") if name in self.column
-        }
+        self.slides = all(_is_alike_where_it_slides(name, units) for name in self.column)
+        self.numbers = {name: PlainNumbers(name, units) for name in _NUMBERS if name in self.column}
         self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE, **columns.types}  # "": a table without types
-        self.limits = PlainLimits(self.column, units, self.kinds)
-        self.names: set[tuple[tuple[str, ...], tuple[str, ...]]] = set()
+        self.names = set[tuple[tuple[str, ...], tuple[str, ...]]]()
         self.sample = PlainSample()
 
     def _is_usable(self, columns: Columns, units: Units) -> bool:
@@ -85,11 +78,11 @@ class PlainRows:
         known = "type" in given or not any(columns.headers[index] for index in self.others)
         turned = columns.of_theta and {"theta", "offset", "sign"} & given
         parts = all(given >= {*group} or given.isdisjoint(group) for group in (COM, INERTIA))
-        here = given <= {*_WORDS, *GEOMETRY, *LIMITS, *_OTHERS, "sign"} and ("ixx" not in given or "mass" in given)
-        in_doubt = any(FIELDS[name].dimension and units.doubt(dimension_of(name), name) for name in given)
+        here = given <= {*_WORDS, *_NUMBERS} and ("ixx" not in given or "mass" in given)
+        in_doubt = any(FIELDS[name].dimension and units.doubt(FIELDS[name].measures(), name) for name in given)
         # A header may say that a column is of joints that slide.
         turning = all(
-            unit.dimension is dimension_of(name) for name, unit in units.columns.items() if FIELDS[name].linear
+            unit.dimension is FIELDS[name].measures() for name, unit in units.columns.items() if FIELDS[name].linear
         )
         return bool(known and not turned and parts and here and turning) and not in_doubt
 
@@ -105,7 +98,7 @@ class PlainRows:
         Returns:
             Groups of manipulators that differ in numbers only: which of them these are, and their rows.
         """
-        if not self.usable or set(map(len, rows)) != {self.width}:
+        if not self.usable or set(map(len, rows)) != {len(self.headers)}:
             return None
         columns: list[Any] = list(zip(*rows, strict=True))  # of texts each, or of numbers
         for index in self.holding_numbers:
@@ -115,21 +108,24 @@ class PlainRows:
         names = self._names(columns, sizes)
         if names is None or not self._are_kinds(words) or not self._are_left_out(columns):
             return None
-        read = {name: numbers.read(columns[self.column[name]]) for name, numbers in self.numbers.items()}
-        values = {name: numbers for name, numbers in read.items() if numbers is not None}
-        if len(values) < len(read):
-            return None
-        kinds, limits = [self.kinds[word] for word in words], self.limits.read(words, columns)
-        # A multiple of π is no length.
-        mixed = JointType.PRISMATIC in kinds and "offset" in values and self.numbers["offset"].has_expressions
+        kinds, values = [self.kinds[word] for word in words], dict[str, list[Any]]()
+        for name, numbers in self.numbers.items():
+            cells = columns[self.column[name]]
+            found = numbers.read_some(cells) if name in LIMITS else numbers.read(cells)
+            # A multiple of π is no length.
+            mixed = numbers.has_expressions and FIELDS[name].linear and JointType.PRISMATIC in kinds
+            if found is None or mixed:
+                return None
+            values[name] = list(found)
         plain = _are_plain_angles(values) and _are_plain_lengths(values["a"], values["d"], sizes)
-        if limits is None or mixed or self._are_in_doubt() or not (plain and _fit(values, kinds)):
+        if not plain or self._are_in_doubt() or not _fit(values, kinds):
             return None
         signs = list(map(int, values.pop("sign", [1.0] * len(rows))))
         geometry = dict.fromkeys(GEOMETRY, [0.0] * len(rows)) | values
+        missing = [[number is None for number in values[name]] for name in LIMITS if None in values.get(name, ())]
         return [
-            (members, tuple([_row_in_columns(*names, kinds, signs, limits, geometry, where) for where in places]))
-            for members, places in _forms((*names, kinds, signs), limits, sizes)
+            (members, tuple([_row_in_columns(*names, kinds, signs, geometry, where) for where in places]))
+            for members, places in _forms((*names, kinds, signs, *missing), sizes)
         ]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
@@ -153,11 +149,10 @@ class PlainRows:
 
     def _are_in_doubt(self) -> bool:
         """Whether cells name units, and a number that nothing says the unit of is beside them, or outside of rows."""
-        numbers = self.numbers | self.limits.numbers
-        named = [name for name, each in numbers.items() if each.foreign]
+        named = [name for name, each in self.numbers.items() if each.foreign]
         beside = {other for name in named for other in group_of(name)}
         beside |= {"velocity"} if not beside.isdisjoint(group_of("offset")) else set()
-        return bool(named and self.units.bare) or any(numbers[name].bare for name in beside & numbers.keys())
+        return bool(named and self.units.bare) or any(self.numbers[name].bare for name in beside & self.numbers.keys())
 
     # --- Words
 
@@ -170,31 +165,21 @@ class PlainRows:
             self.kinds[word] = kind
         return "type" not in self.column or "" not in words  # an empty cell is worth a notice
 
-    def _names(
-        self, columns: Sequence[tuple[str, ...]], sizes: Sequence[int]
-    ) -> tuple[Sequence[str], Sequence[str]] | None:
+    def _names(self, columns: Sequence[Sequence[str]], sizes: Sequence[int]) -> tuple[list[str], list[str]] | None:
         """The names of joints and of links; None where there is anything to say about them."""
-        numbers = {size: tuple(map(str, range(1, size + 1))) for size in set(sizes)}
-        counted = tuple(chain.from_iterable([numbers[size] for size in sizes]))
+        counted = [str(number) for size in sizes for number in range(1, size + 1)]
         index, joint, link = (self.column.get(name) for name in ("index", "joint", "link"))
-        if index is not None and columns[index] != counted:
+        if index is not None and list(columns[index]) != counted:
             return None
-        joints = tuple(map("joint_".__add__, counted)) if joint is None else columns[joint]
-        links = tuple(map("link_".__add__, counted)) if link is None else columns[link]
-        if len(numbers) == 1:  # The arms of a table mostly have the same names: then those of the first one tell.
-            size, count = sizes[0], len(sizes)
-            if joints == joints[:size] * count and links == links[:size] * count:
-                sizes = sizes[:1]
-        start = 0
-        for size in sizes:
-            key = (joints[start : start + size], links[start : start + size])
-            if key not in self.names:
-                if not self._are_plain_names(*key):
-                    return None
-                if len(self.names) > REMEMBERED:
-                    self.names.clear()
-                self.names.add(key)
-            start += size
+        joints = [f"joint_{number}" for number in counted] if joint is None else list(columns[joint])
+        links = [f"link_{number}" for number in counted] if link is None else list(columns[link])
+        places = [slice(end - size, end) for size, end in zip(sizes, accumulate(sizes), strict=True)]
+        new = {(tuple(joints[place]), tuple(links[place])) for place in places} - self.names
+        if not all(starmap(self._are_plain_names, new)):
+            return None
+        if len(self.names) > REMEMBERED:
+            self.names.clear()
+        self.names |= new
         return joints, links
 
     def _are_plain_names(self, joints: tuple[str, ...], links: tuple[str, ...]) -> bool:
@@ -218,60 +203,54 @@ class PlainRows:
 # --- What is in bounds ------------------------------------------------------------------------------------------------
 
 
-def _may_slide(names: Iterable[str], units: Units) -> bool:
-    """Whether columns that are an angle in one row and a length in the next are in SI units in both."""
-    for name in names:
-        if FIELDS[name].linear:
-            said = (declared_unit(units, name, linear=linear) for linear in (False, True))
-            if name in units.columns or any(unit and not unit.is_si for unit in said):
-                return False
-            if units.doubt(dimension_of(name, linear=True), name):
-                return False
-    return True
+def _is_alike_where_it_slides(name: str, units: Units) -> bool:
+    """Whether a column that may be an angle in one row and a length in the next is in SI units in both."""
+    field = FIELDS[name]
+    if not field.linear:
+        return True
+    said = [units.unit_of(name, field.measures(slides=slides)) for slides in (False, True)]
+    in_doubt = name in units.columns or units.doubt(field.linear, name)
+    return not in_doubt and all(unit is None or unit.is_si for unit in said)
 
 
 def _are_plain_angles(values: Mapping[str, list[float]]) -> bool:
     """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
-    for name in ("alpha", "theta", "offset"):
-        angles = set(values.get(name, (0.0,)))
-        # A number that is none is in no bounds, wherever it is in the set.
-        if not (math.isfinite(sum(angles)) and min(angles) >= -FULL_TURN and max(angles) <= FULL_TURN):
+    close = NEARLY * HALF_PI * FULL_TURN  # a few more than `meant_by` knows: no call for each
+    for angles in (set(values.get(name, ())) for name in ("alpha", "theta", "offset")):
+        if not all(-FULL_TURN <= x <= FULL_TURN for x in angles):
             return False
-        # Somewhat more than what is nearly a quarter turn to `RowReader`: it counts x in rad, not in turns.
-        close = NEARLY * HALF_PI * FULL_TURN
-        some = [x for x in angles if not close < x % HALF_PI < HALF_PI - close]  # a few more: no call for each
-        near = [x for x in some if abs(remainder(x, HALF_PI)) <= NEARLY * HALF_PI * abs(x)]
-        if not all(x == 0 or quarter_turns(x) is not None for x in near):
+        if any(meant_by(x) for x in angles if not close < x % HALF_PI < HALF_PI - close):
             return False
     return True
 
 
 def _are_plain_lengths(a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
     """Whether every arm is of a length that needs no word."""
-    size, largest = sizes[0], max(map(abs, (max(a), min(a), max(d), min(d))))
-    first = min(d[::size]) if sizes == [size] * len(sizes) else 0.0
-    if first >= SHORTEST_ARM and 2.0 * size * largest <= LONGEST_ARM and math.isfinite(sum(a) + sum(d)):
-        return True  # so much is sure of every arm without its own sum
     lengths = list(map(add, map(abs, a), map(abs, d)))
     totals = [sum(lengths[end - size : end]) for size, end in zip(sizes, accumulate(sizes), strict=True)]
-    return not math.isnan(sum(totals)) and min(totals) >= SHORTEST_ARM and max(totals) <= LONGEST_ARM
+    return all(SHORTEST_ARM <= total <= LONGEST_ARM for total in totals)
 
 
-def _fit(values: Mapping[str, list[float]], kinds: Sequence[JointType]) -> bool:
+def _fit(values: Mapping[str, list[Any]], kinds: Sequence[JointType]) -> bool:
     """Whether numbers beside the geometry are such as their fields take, in rows that have them."""
     still = [index for index, kind in enumerate(kinds) if kind is JointType.FIXED] if JointType.FIXED in kinds else []
+    offset, sign = values.get("offset", ()), values.get("sign", ())
     if still and not values.keys().isdisjoint(DYNAMICS):
         return False
-    offset, sign = values.get("offset"), values.get("sign", ())
     if any((offset and offset[index]) or (sign and sign[index] < 0) for index in still):
         return False
-    if not set(sign) <= {1.0, -1.0}:
+    if any(values[name][index] is not None for name in LIMITS if name in values for index in still):
         return False
-    return all(
-        math.isfinite(sum(values[name])) and ROW_FIELDS[name].takes(min(values[name]))
-        for name in _OTHERS
-        if name in values
-    )
+    none: list[float | None] = [None] * len(kinds)
+    for kind, low, high in set(zip(kinds, values.get("lower", none), values.get("upper", none), strict=True)):
+        bound = _LARGEST.get(kind)
+        if (low, high) != (None, None) and (None in (low, high, bound) or not -bound <= low <= high <= bound):  # type: ignore[operator]
+            return False
+    for name in _POSITIVE:
+        given = [number for number in values.get(name, ()) if number is not None]
+        if given and not (math.isfinite(sum(given)) and ROW_FIELDS[name].takes(min(given))):
+            return False
+    return set(sign) <= {1.0, -1.0}
 
 
 def _count(cells: Sequence[str]) -> bool:
@@ -287,29 +266,23 @@ def _count(cells: Sequence[str]) -> bool:
 # --- Rows in columns --------------------------------------------------------------------------------------------------
 
 
-def _forms(
-    words: Sequence[Sequence[object]], limits: list[Limits], sizes: Sequence[int]
-) -> Iterator[tuple[Sequence[int], list[Rows]]]:
+def _forms(words: Sequence[Sequence[object]], sizes: Sequence[int]) -> Iterator[tuple[Sequence[int], Sequence[Rows]]]:
     """Manipulators that differ in numbers only: which these are, and where each of their rows is among all rows.
 
     Args:
         words: what rows say besides numbers, by column.
-        limits: the limits of the rows, some of which may not be given.
         sizes: how many rows each manipulator has.
     """
     size, count = sizes[0], len(sizes)
-    same = [size] * count == sizes and all(list(each) == list(each[:size]) * count for each in words)
-    if same and limits == limits[:size] * count:
+    if [size] * count == sizes and all(list(each) == list(each[:size]) * count for each in words):
         yield range(count), [slice(row, None, size) for row in range(size)]
         return
-    given = [(own.lower is None, own.upper is None, own.velocity is None, own.effort is None) for own in limits]
     forms: defaultdict[Hashable, list[int]] = defaultdict(list)
     starts = list(accumulate(sizes, initial=0))
     for member, (start, end) in enumerate(pairwise(starts)):
-        forms[tuple([tuple(each[start:end]) for each in (*words, given)])].append(member)
+        forms[tuple([tuple(each[start:end]) for each in words])].append(member)
     for members in forms.values():
-        rows = range(sizes[members[0]])
-        yield members, [[starts[member] + row for member in members] for row in rows]
+        yield members, [[starts[member] + row for member in members] for row in range(sizes[members[0]])]
 
 
 def _row_in_columns(  # noqa: PLR0917 - what a row consists of
@@ -317,29 +290,17 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
     links: Sequence[str],
     kinds: Sequence[JointType],
     signs: Sequence[int],
-    limits: Sequence[Limits],
     numbers: Mapping[str, Sequence[float]],
     where: Rows,
 ) -> DHRow:
     """One row of many manipulators, which is in some places among the rows of all."""
     first = where.start if isinstance(where, slice) else where[0]
-    bounds = _some(limits, where)
     found = {name: column(_some(entries, where)) for name, entries in numbers.items()}
+    limits = Limits(**{name: found.pop(name, None) for name in LIMITS})
     com = tuple([found.pop(name) for name in COM]) if "com_x" in found else None
     inertia = Inertia(**{name: found.pop(name) for name in INERTIA}) if "ixx" in found else None
-    alike = bounds.count(bounds[0]) == len(bounds)
-    return new_dh_row(
-        joint=joints[first],
-        link=links[first],
-        type=kinds[first],
-        sign=signs[first],
-        limits=bounds[0]
-        if alike
-        else Limits(**{name: column([getattr(each, name) for each in bounds]) for name in LIMITS}),
-        com=com,
-        inertia=inertia,
-        **found,
-    )
+    words = {"joint": joints[first], "link": links[first], "type": kinds[first], "sign": signs[first]}
+    return new_dh_row(**words, limits=limits, com=com, inertia=inertia, **found)
 
 
 def _some(entries: Sequence[T], where: Rows) -> Sequence[T]:

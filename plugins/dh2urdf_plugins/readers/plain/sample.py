@@ -6,8 +6,8 @@ tables; this module compares them on the table at hand, in every run.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
@@ -16,8 +16,6 @@ from dh2urdf.source import Messages
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.manipulator import DHRow
-    from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
 
 say = Messages(__file__)
@@ -57,42 +55,23 @@ def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> N
     Args:
         fast: the manipulator as it was read fast.
         careful: the same rows, read with care.
-        count: how many of its rows were read with care.
+        count: how many of its rows were read with care; the first rows of a longer arm may be refused as an arm.
 
     Raises:
         TableError: the readings differ.
     """
-    found = None
+    is_whole = count == len(fast.rows)
     if isinstance(careful, Manipulator):
-        found = _of_rows(fast.rows, careful.rows)
-        if found is None and count == len(fast.rows):
-            found = _of_manipulators(fast, careful)
-    elif count == len(fast.rows):  # the first rows of a longer arm may be refused as an arm of their own
+        pairs: list[tuple[Any, Any]] = [*zip(fast.rows, careful.rows, strict=False)]
+        for one, other in [*pairs, (fast, careful)] if is_whole else pairs:
+            for name in (field.name for field in fields(one)):
+                readings = [repr(getattr(record, name)) for record in (one, other)]
+                if readings[0] != readings[1]:
+                    about = {"field": name, "fast": readings[0], "careful": readings[1]}
+                    about |= {"joint": one.joint} if one is not fast else {}
+                    raise TableError(say("two-readings", one.mark, robot=fast.name, **about))
+    elif is_whole:
         refused = careful.problems[0]
-        row = next((row for row in fast.rows if row.joint == refused.joint), None)
-        what = repr(row) if row else f"the manipulator {fast.name!r}"
-        found = replace(refused, message=say("only-fast", row=what, reason=refused.message).message)
-    if found:
-        about = {"joint": found.joint, "field": found.field, "found": found.found}
-        raise TableError(say("two-readings", found.mark or fast.mark, robot=fast.name, reason=found.message, **about))
-
-
-def _of_rows(fast: Sequence[DHRow], careful: Sequence[DHRow]) -> Problem | None:
-    """The first field of the first row that has two readings."""
-    for one, other in zip(fast, careful, strict=False):
-        for name in (field.name for field in fields(one)):
-            first, second = repr(getattr(one, name)), repr(getattr(other, name))
-            if first != second:
-                return say("other-value", one.mark, joint=one.joint, field=name, fast=first, careful=second)
-    return None
-
-
-def _of_manipulators(fast: Manipulator, careful: Manipulator) -> Problem | None:
-    """What two readings of a manipulator differ by, where it is not a row; None where they are equal."""
-    for name in (field.name for field in fields(fast)):
-        first, second = repr(getattr(fast, name)), repr(getattr(careful, name))
-        if first != second and name == "notices":
-            return say("other-notices", said="; ".join(notice.message for notice in careful.notices))
-        if first != second:
-            return say("other-value", field=name, fast=first, careful=second)
-    return None
+        row = next((row for row in fast.rows if row.joint == refused.joint), fast)
+        about = {"joint": refused.joint, "field": refused.field, "found": refused.found, "row": repr(row)}
+        raise TableError(say("only-fast", refused.mark, robot=fast.name, reason=refused.message, **about))

@@ -96,6 +96,10 @@ class Units:
         """The unit of numbers of a dimension that name none; None where that is the SI unit, or in doubt."""
         return None if self.doubt(dimension, name) else self.of(dimension)
 
+    def unit_of(self, name: str, dimension: Dimension) -> Unit | None:
+        """The unit of the bare numbers of a field: that of its header, or the sure one of what it measures."""
+        return self.columns.get(name) or self.sure(dimension, name)
+
     def doubt(self, dimension: Dimension, name: str | None = None) -> Doubt | None:
         """Why the unit of a bare number is not sure; None where it is.
 

@@ -115,6 +115,10 @@ class Field:
     linear: Dimension | None = None
     parts: tuple[str, ...] = ()
 
+    def measures(self, *, slides: bool = False) -> Dimension:
+        """What its numbers measure, in the rows of joints that turn or slide."""
+        return (self.linear if slides else None) or self.dimension or Dimension.NUMBER
+
     @property
     def _section(self) -> dict[str, str]:
         fields: dict[str, dict[str, str]] = vocabulary()["fields"]

@@ -37,7 +37,7 @@ from dh2urdf_plugins.readers.sources import (
 )
 from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
-from dh2urdf_plugins.readers.tables import tables
+from dh2urdf_plugins.readers.tables import row_table
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names
 
 if TYPE_CHECKING:
@@ -513,14 +513,14 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
 @pytest.mark.parametrize(("convention", "formula"), of_tables("conventions"))
 def test_every_word_for_a_convention_means_it(convention: str, formula: str) -> None:
     """The order of the four elementary transforms is that of the kinematics."""
-    known = [word for word, meant in fields.convention_words().items() if meant == convention]
+    known = [word for word, meant in fields.words_for("conventions").items() if meant == convention]
     assert {fields.convention_of(f"{word} convention") for word in known} == {Convention(convention)}
     assert formula.startswith("Rz(theta)" if convention == "standard" else "Rx(alpha)")
 
 
 def test_every_word_for_a_type_means_it() -> None:
     """In any language."""
-    assert all(fields.joint_type(word) is kind for word, kind in fields.type_words().items())
+    assert all(fields.joint_type(word) == kind for word, kind in fields.words_for("types").items())
 
 
 def test_every_unit_that_the_code_knows_is_in_the_page() -> None:
@@ -623,7 +623,7 @@ CONSTANTS = {
     "characters in a number or an expression": (expressions, "MAX_CHARACTERS"),
     "brackets inside each other in an expression": (expressions, "MAX_NESTING"),
     "characters in a name": (names, "MAX_NAME"),
-    "joints of a manipulator": (tables, "MAX_JOINTS"),
+    "joints of a manipulator": (row_table, "MAX_JOINTS"),
     "bytes in a workbook, unpacked": (xlsx_file, "MAX_UNPACKED"),
     "parts of a workbook": (xlsx_file, "MAX_PARTS"),
     "rows of a sheet, also of such as hold nothing": (xlsx_sheets, "MAX_ROW"),
@@ -639,7 +639,7 @@ CONSTANTS = {
 OTHERS = {
     "characters in a cell of a CSV file": python_csv.field_size_limit(),
     "problems that are printed": errors.SCREENFUL,
-    "length of an arm, or of its base and tool [m]": int(tables.MEASURABLE_ARM),
+    "length of an arm, or of its base and tool [m]": int(row_table.MEASURABLE_ARM),
     "turns in an angle of the table": round(table_bounds.LARGEST_ANGLE / math.tau),
     "turns in `alpha` without a declared unit": round(table_bounds.FULL_TURN / math.tau),
     "turns in a limit without a declared unit": round(rows.LARGEST_LIMIT / math.tau),

@@ -13,12 +13,12 @@ from dh2urdf.errors import Problem, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers.header.units import Units
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample, compare
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT
 from dh2urdf_plugins.readers.table import TableOptions
-from dh2urdf_plugins.readers.words.cells import Units
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator

@@ -1,35 +1,57 @@
-"""The headers of a table, whatever its format: which column is which field, in which unit, and what is wrong there."""
+"""The headers of a table, whatever its format: which column is which field, in which unit, and what is wrong there.
+
+Of the columns that name no field those with numbers, units or joint variables are refused, and those of text left out.
+"""
 
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.quantities import Dimension, QuantityError, Unit, find_unit, is_unit
-from dh2urdf.source import Mark, Messages, Problem, listed, shown
+from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate, find_unit, is_unit, is_zero
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, listed, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.header_rows import headers_in
-from dh2urdf_plugins.readers.header.unknown_columns import ignored, is_value
 from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, read_header
-from dh2urdf_plugins.readers.words.fields import FIELDS, key_of, keys_in, parts_of, unheld, vocabulary, words_in
+from dh2urdf_plugins.readers.words.fields import (
+    FIELDS,
+    IGNORED,
+    Refusal,
+    flip_of,
+    key_of,
+    keys_in,
+    parts_of,
+    unheld,
+    vocabulary,
+    words_in,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Iterable, Sequence
 
+    from dh2urdf.quantities import Quantity
     from dh2urdf.table_text import CellRow
+    from dh2urdf_plugins.readers.words.cells import Cell
 
 say = Messages(__file__)
 
 _NUMBERED = r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}"
 TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
 """What to do about a table whose header names joints."""
-SIGMA = {"0": JointType.REVOLUTE, "1": JointType.PRISMATIC, "2": JointType.FIXED}
+_SIGMA = {"0": JointType.REVOLUTE, "1": JointType.PRISMATIC, "2": JointType.FIXED}
 """The codes of Khalil and Kleinfinger, which a column σ has. Other codes mean one thing here and another there."""
 _TRUTHS = {form: kind for kind in (JointType.REVOLUTE, JointType.PRISMATIC) for form in (kind.value, kind.value[0])}
 """Headers of columns of truth values, with the type that a yes means."""
+_NUMBER = r"(?:[0-9]+(?:[.,][0-9]+)*|[.,][0-9]+)(?:[eE][-+]?[0-9]+(?![0-9.]))?"
+_BETWEEN = frozenset("+-−–—±~〜～…/()[],;*·^²³.:%'\"")
+"""Signs that stand between numbers, and around them."""
+_DATE = r"\s*(?:[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}|[0-9]{1,2}[./][0-9]{1,2}[./][0-9]{4})\b"
+_LONGEST_VARIABLE = 40
 
 
 @dataclass(slots=True)
@@ -91,7 +113,7 @@ def marked_as_left_out(header: CellRow, names: Collection[str]) -> list[str]:
     for name in names:
         if name not in headers:
             raise TableError(say("no-column-to-ignore", header.mark, field="ignore", found=name, headers=headers))
-    return [f"_{text}" if text in names else text for text in headers]
+    return [f"{IGNORED}{text}" if text in names else text for text in headers]
 
 
 def name_columns(
@@ -109,32 +131,31 @@ def name_columns(
         TableError: everything that is wrong with them.
     """
     columns = Columns(mark, list(headers), marks=list(marks))
-    read, problems = _Headers(columns), list[Problem]()
-    read.settle(convention, problems)
+    read = [read_header(text) for text in headers]
+    _settle_names(read)
+    _settle_types(columns, read)
+    problems = _settle_khalil(columns, read, convention)
     first: dict[str, int] = {}
     meant: set[str] = set()
-    for index, header in enumerate(read.headers):
+    for index, header in enumerate(read):
         text, place = headers[index], marks[index]
         columns.fields.append(header.field.name if header.field else None)
         if header.ignored:
             columns.ignored.add(index)
-        elif header.field is None:
-            near = None if header.is_known else misspelt(header.key)
-            if near:
-                meant.add(near.name)
-                about: dict[str, Any] = {"meant": near.name, "fields": [*FIELDS]}
-                problems.append(say("misspelt-header", place, field=text, found=text, **about))
-            else:
-                columns.silent.add(index)
-        else:
-            problems += _measure(columns, header, index)
-            problems += _other_link(header, text, place)
+        elif header.field:
+            problems += [*_measure(columns, header, index), *_other_link(header, text, place)]
             keys = ("sign",) if header.field.name == "flip" else parts_of(header.field)
             twins = [key for key in keys if first.setdefault(key, index) != index]
             problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
-    problems += _links(columns, read.headers)
+        elif not header.is_known and (near := misspelt(header.key)):
+            meant.add(near.name)
+            problems.append(say("misspelt-header", place, field=text, found=text, meant=near.name, fields=[*FIELDS]))
+        else:
+            columns.silent.add(index)
+    problems += _links(columns, read)
     if columns.ignored:
-        columns.notices.append(ignored([headers[k] for k in sorted(columns.ignored)], marks[min(columns.ignored)]))
+        names = [shown(headers[index]) for index in sorted(columns.ignored)]
+        columns.notices.append(say("columns-ignored", marks[min(columns.ignored)], names=names))
     problems += [_missing(name, columns) for name in REQUIRED if name not in {*columns.fields, *meant}]
     if problems:
         raise TableError(problems, columns.notices)
@@ -144,65 +165,55 @@ def name_columns(
 # --- What headers mean beside each other ------------------------------------------------------------------------------
 
 
-class _Headers:
-    """The headers of a table, each as it is meant beside the others.
+def _named(read: Sequence[Header], name: str) -> list[int]:
+    """The columns of a field."""
+    return [index for index, header in enumerate(read) if header.field is FIELDS[name]]
 
-    Attributes:
-        headers: what each says.
-    """
 
-    def __init__(self, columns: Columns) -> None:
-        self.columns = columns
-        self.headers = [read_header(text) for text in columns.headers]
+def _put(read: list[Header], index: int, name: str | None) -> None:
+    read[index] = read[index]._replace(field=FIELDS[name] if name else None, link=None)
 
-    def settle(self, convention: Convention | None, problems: list[Problem]) -> None:
-        """Gives headers of two meanings the one that they have in this table."""
-        of_theta, joints = self._named("theta"), self._named("joint")
-        parts = [k for k in of_theta if unheld(self.headers[k].key)] if len(of_theta) > 1 else []
-        for index in parts if len(parts) < len(of_theta) else ():  # a constant part of theta, beside theta itself
-            self._put(index, None)
-        if len(joints) == 2 and not self._named("index"):  # noqa: PLR2004 - `Joint` beside `Name`
-            names = [k for k in joints if any(word in self.headers[k].key for word in keys_in("rows", "names"))]
-            if len(names) == 1:
-                self._put(next(k for k in joints if k not in names), "index")
-        self._settle_types()
-        problems += self._settle_khalil(convention)
 
-    def _named(self, name: str) -> list[int]:
-        """The columns of a field."""
-        return [k for k, header in enumerate(self.headers) if header.field is FIELDS[name]]
+def _settle_names(read: list[Header]) -> None:
+    """Gives a constant part of theta beside theta, and `Joint` beside `Name`, the meaning that they have there."""
+    of_theta, joints = _named(read, "theta"), _named(read, "joint")
+    parts = [index for index in of_theta if unheld(read[index].key)]
+    for index in parts if len(parts) < len(of_theta) else ():
+        _put(read, index, None)
+    numbers = [k for k in joints if not any(word in read[k].key for word in keys_in("rows", "names"))]
+    if len(joints) - 1 == len(numbers) == 1 and not _named(read, "index"):
+        _put(read, numbers[0], "index")
 
-    def _put(self, index: int, name: str | None) -> None:
-        self.headers[index] = self.headers[index]._replace(field=FIELDS[name] if name else None, link=None)
 
-    def _settle_types(self) -> None:
-        """Codes under σ, or truth values under `R` or `prismatic`, where no other column is called a type."""
-        if any(header.key == "sigma" for header in self.headers):
-            self.columns.types = SIGMA
-        for index, (text, header) in enumerate(zip(self.columns.headers, self.headers, strict=True)):
-            kind = None if self._named("type") else _TRUTHS.get(header.key)
-            # A letter R is a length, as r is, but where another column is a.
-            is_letter = text.strip().isupper() and (header.field is None or len(self._named("a")) > 1)
-            if kind and (len(header.key) > 1 or is_letter):
-                other = JointType.PRISMATIC if kind is JointType.REVOLUTE else JointType.REVOLUTE
-                flips = vocabulary()["flips"]
-                words = dict.fromkeys(words_in(flips["true"]), kind) | dict.fromkeys(words_in(flips["false"]), other)
-                self.columns.types = words
-                self._put(index, "type")
+def _settle_types(columns: Columns, read: list[Header]) -> None:
+    """Codes under σ, or truth values under `R` or `prismatic`, where no other column is called a type."""
+    if any(header.key == "sigma" for header in read):
+        columns.types = _SIGMA
+    for index, (text, header) in enumerate(zip(columns.headers, read, strict=True)):
+        kind = None if _named(read, "type") else _TRUTHS.get(header.key)
+        # A letter R is a length, as r is, but where another column is a.
+        is_letter = text.strip().isupper() and (header.field is None or len(_named(read, "a")) > 1)
+        if kind and (len(header.key) > 1 or is_letter):
+            (other,) = {JointType.REVOLUTE, JointType.PRISMATIC} - {kind}
+            flips = vocabulary()["flips"]
+            columns.types = dict.fromkeys(words_in(flips["true"]), kind)
+            columns.types |= dict.fromkeys(words_in(flips["false"]), other)
+            _put(read, index, "type")
 
-    def _settle_khalil(self, convention: Convention | None) -> list[Problem]:
-        """Takes d for the length and r for the offset in the modified convention, where no column is called a."""
-        of_a, of_d = self._named("a"), self._named("d")
-        if not (len(of_a) == len(of_d) == 1 and self.headers[of_a[0]].key == "r"):
-            return []
-        others = {header.key for header in self.headers} & {"sigma", "gamma", "mu", "b"}
-        indexed = self.headers[of_a[0]].link == self.headers[of_d[0]].link == "i"
-        if convention is Convention.MODIFIED or (indexed and others):
-            self._put(of_a[0], "d")
-            self._put(of_d[0], "a")
-        elif others or self._named("convention"):
-            return [say("letter-r", self.columns.mark, field="a", found=self.columns.headers[of_a[0]])]
+
+def _settle_khalil(columns: Columns, read: list[Header], convention: Convention | None) -> list[Problem]:
+    """Takes d for the length and r for the offset in the modified convention, where no column is called a."""
+    of_a, of_d = _named(read, "a"), _named(read, "d")
+    if not (len(of_a) == len(of_d) == 1 and read[of_a[0]].key == "r"):
         return []
+    others = {header.key for header in read} & {"sigma", "gamma", "mu", "b"}
+    indexed = read[of_a[0]].link == read[of_d[0]].link == "i"
+    if convention is Convention.MODIFIED or (indexed and others):
+        _put(read, of_a[0], "d")
+        _put(read, of_d[0], "a")
+    elif others or _named(read, "convention"):
+        return [say("letter-r", columns.mark, field="a", found=columns.headers[of_a[0]])]
+    return []
 
 
 def _other_link(header: Header, text: str, mark: Mark) -> list[Problem]:
@@ -213,9 +224,9 @@ def _other_link(header: Header, text: str, mark: Mark) -> list[Problem]:
     return [say("link-before" if header.link == "i-1" else "other-link", mark, field=name, found=text)]
 
 
-def _links(columns: Columns, headers: Sequence[Header]) -> list[Problem]:
+def _links(columns: Columns, read: Sequence[Header]) -> list[Problem]:
     """Takes the column that means the modified convention, and refuses a mixture of both."""
-    links = {header.link: k for k, header in enumerate(headers) if columns.fields[k] in ("a", "alpha")}
+    links = {header.link: k for k, header in enumerate(read) if columns.fields[k] in ("a", "alpha")}
     columns.modified = links.get("i-1")
     if not {"i", "i-1"} <= links.keys():
         return []
@@ -254,9 +265,10 @@ def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
         else:
             columns.units.update(dict.fromkeys(parts_of(measured), unit))
             return problems
-    if faults and measured.dimension is Dimension.NUMBER:
-        is_remark = not is_unit(header.unit or "")  # `sign [+-1]`
-        return problems if is_remark else [*problems, say("unit-of-number", mark, field=name, found=header.unit)]
+    if measured.dimension is Dimension.NUMBER:
+        if faults and is_unit(header.unit or ""):  # and no remark: `sign [+-1]`
+            problems.append(say("unit-of-number", mark, field=name, found=header.unit))
+        return problems
     for fault in faults[:1]:
         about = {"reason": fault.message, "accepted": fault.accepted, "suggestion": fault.suggestion}
         problems.append(say("unit-of-header", mark, field=name, found=header.unit, **about))
@@ -279,3 +291,77 @@ def are_joints(headers: Sequence[str]) -> bool:
     """Whether headers are the joints of an arm, whose fields are in rows."""
     others = [text.strip().casefold() for text in headers[1:] if text.strip()]
     return len(others) > 1 and all(re.fullmatch(_NUMBERED, each) for each in others)
+
+
+# --- Columns that no field knows --------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=1024)
+def refusal(text: str) -> Refusal:
+    """Why a column of a header that names no field is refused where it holds a value."""
+    header = read_header(text)
+    if meaning := unheld(header.key):
+        return meaning._replace(reason=f"is {meaning.reason}, which no column holds")
+    names = [name for name in FIELDS if header.unit and _measures(header.unit, name)]
+    near = misspelt(header.key) if header.key else None
+    likely = f"did you mean {near.name!r}?" if near else did_you_mean(text, FIELDS) if len(text) > len("id") else None
+    accepted = f"one of the columns {', '.join(names or FIELDS)}" + (f"; {likely}" if likely else "")
+    return Refusal("is no field" if text else "has no header", accepted, any_text=False)
+
+
+def _measures(unit: str, name: str) -> bool:
+    for dimension in filter(None, (FIELDS[name].dimension, FIELDS[name].linear)):
+        with suppress(QuantityError):
+            return find_unit(unit, dimension) is not None
+    return False
+
+
+def refused(cell: Cell, header: str, number: int) -> Problem | None:
+    """What is wrong with a cell of such a column, in the row of a number; None where it says nothing."""
+    why, text = refusal(header), cell.text.strip()
+    is_no = flip_of(text) is False or is_zero(text)
+    if not text or is_no != why.if_no or (why.counts and re.match(rf"(?i)j?{number}\b", text)):
+        return None
+    if not why.any_text and (not is_value(text) or _is_variable_of(text, number)):
+        return None
+    about = {"reason": why.reason, "accepted": why.accepted, "ignoring": IGNORED + header}
+    return say("unknown-column", cell.mark, joint=f"joint_{number}", field=header, found=cell.text, **about)
+
+
+def is_value(text: str) -> bool:
+    """Whether a cell is a number, several, a quantity, or a joint variable, and no text with a number in it."""
+    if re.match(_DATE, text):
+        return False
+    others = re.findall(r"[^\W\d_]+|\S", re.sub(_NUMBER, " ", text)) if re.search("[0-9]", text) else [text]
+    if all(word in _BETWEEN or is_unit(word) or word.casefold() in keys_in("rows", "ranges") for word in others):
+        return any(map(str.isdigit, text))
+    return _expression(text) is not None
+
+
+def _is_variable_of(text: str, number: int) -> bool:
+    """Whether a cell is the joint variable of its row, and nothing besides: ``q1`` in the first one."""
+    said = _expression(text)
+    variable = said.variable if said and not said.value and said.sign > 0 else None
+    return variable is not None and variable.row == number and variable.kind != "d"
+
+
+def _expression(text: str) -> Quantity | None:
+    """The angle or the length that a cell says, or the numbered joint variable; None where it says none."""
+    if len(text) <= _LONGEST_VARIABLE and re.search(r"[0-9π]|(?i:^\s*-?pi\s*$)", text):
+        for dimension in (Dimension.ANGLE, Dimension.LENGTH):
+            with suppress(QuantityError):
+                return evaluate(text, dimension, decimal_comma=True)
+    return None
+
+
+def stray_number(text: str, mark: Mark, number: int) -> Problem:
+    """A number in a column without a header, in the row of a number: it belongs to the table, and may be any field."""
+    return say("stray-number", mark, joint=f"joint_{number}", found=text)
+
+
+def left_out(columns: Columns, some: Iterable[int]) -> Problem:
+    """The notice of all columns of a table that are left out."""
+    first, *_ = indexes = [*some]
+    named = [(index, columns.headers[index]) for index in indexes]
+    names = [shown(text) if text else f"{index + 1} (without a header)" for index, text in named]
+    return say("columns-left-out", columns.marks[first], found=named[0][1], names=names)

@@ -33,6 +33,11 @@ def text_in(cell: object) -> str:
     return text_of(cell) if isinstance(cell, float) else str(cell)
 
 
+def is_number(text: str) -> bool:
+    """Whether a cell begins as a number does."""
+    return bool(re.match(r"[+\-−]?[.,]?[0-9]", text))
+
+
 def headers_in(row: CellRow) -> list[str]:
     """The texts of a header; a spreadsheet may break them into lines."""
     return [" ".join(text_in(cell).split("\n")).strip(SPACES) for cell in row.cells]

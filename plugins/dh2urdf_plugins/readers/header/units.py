@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.quantities import Dimension, QuantityError, accepted_units
-from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS
+from dh2urdf.quantities import Dimension, QuantityError, Symbols, Unit, accepted_units
+from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf_plugins.readers.words.cells import Doubt, Units, rate_of
+from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-    from typing import TypeAlias
+    from collections.abc import Iterable, Iterator
 
-    from dh2urdf.quantities import Quantity, Unit
+    from dh2urdf.quantities import Quantity
     from dh2urdf_plugins.readers.header.columns import Columns
-    from dh2urdf_plugins.readers.words.cells import Cell
-
-    Cells: TypeAlias = Mapping[tuple[str, Dimension], Cell]
 
 say = Messages(__file__)
+Cells: TypeAlias = Mapping[tuple[str, Dimension], Cell]
 
 UNIT_KEYS = {
     "length": (Dimension.LENGTH,),
@@ -34,31 +33,16 @@ UNIT_KEYS = {
 """Keys of `units`, and what they declare the unit of; of two, the first is that of joints that turn."""
 KEY_OF = {dimension: key for key, dimensions in UNIT_KEYS.items() for dimension in dimensions}
 """The keys of `units` by what they declare the unit of."""
-SI = {
-    Dimension.LENGTH: "m",
-    Dimension.ANGLE: "rad",
-    Dimension.SPEED: "m/s",
-    Dimension.TURN_RATE: "rad/s",
-    Dimension.MASS: "kg",
-    Dimension.FORCE: "N",
-    Dimension.TORQUE: "Nm",
-    Dimension.DAMPING: "N·m·s/rad",
-    Dimension.LINEAR_DAMPING: "N·s/m",
-    Dimension.INERTIA: "kg·m²",
-}
 _GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
 _PLURAL = {Dimension.LENGTH: "lengths", Dimension.ANGLE: "angles", Dimension.MASS: "masses"}
+_RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
+"""What has the unit of lengths or angles per second, where these have a sure one."""
 _OF_THE_JOINT = ("offset", "lower", "upper")
-_GROUPS = (
-    ("a", "d"),
-    ("alpha", "theta"),
-    _OF_THE_JOINT,
-    COM,
-    *(
-        tuple(name for name, field in ROW_FIELDS.items() if field.dimension is dimension)
-        for dimension in (Dimension.INERTIA, Dimension.TORQUE)
-    ),
+_TENSOR, _EFFORTS = (
+    tuple(name for name, number in ROW_FIELDS.items() if number.dimension is dimension)
+    for dimension in (Dimension.INERTIA, Dimension.TORQUE)
 )
+_GROUPS = (*_GEOMETRY.values(), _OF_THE_JOINT, COM, _TENSOR, _EFFORTS)
 """Columns that are beside each other, and are hardly in two units."""
 _MADE_OF = (
     (Dimension.INERTIA, Dimension.INERTIA, (Dimension.LENGTH, Dimension.MASS)),
@@ -67,17 +51,88 @@ _MADE_OF = (
     ("friction", Dimension.TORQUE, (Dimension.LENGTH,)),
 )
 """Kinds of quantities, and a field, with what is in their units: where that is not in SI units, theirs are not sure."""
-_OF_TWO_KINDS = [
-    (key, one, other) for key, both in UNIT_KEYS.items() for one, other in ((both, both[::-1]) if len(both) > 1 else ())
-]
-"""Keys of `units` that may declare the unit of one kind of joints, and what they leave open then."""
-_RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
-"""What has the unit of lengths or angles per second, where these have a sure one."""
+
+
+class Doubt(NamedTuple):
+    """Why the unit of bare numbers is not sure.
+
+    Attributes:
+        reason: more about the fault, as half a sentence.
+        unit: a unit that they may have.
+        dimension: what that unit measures, where a field has numbers of two kinds.
+    """
+
+    reason: str
+    unit: str
+    dimension: Dimension | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Units:
+    """What a table declares about its units and its numbers.
+
+    Attributes:
+        known: the units of bare numbers, by what they measure; the SI unit where there is none.
+        columns: the units that headers declare, by field.
+        doubts: why bare numbers other than 0 have no sure unit, by what they measure or by field.
+        decimal_comma: whether a comma may stand for the decimal point.
+        symbols: what names of lengths and angles stand for.
+        repair_pi: whether an angle that is nearly a multiple of π/2 is one.
+        bare: outside of rows, the first number of each kind that is read in the SI unit since nothing says its unit,
+            and its field.
+    """
+
+    known: Mapping[Dimension, Unit] = field(default_factory=dict)
+    columns: Mapping[str, Unit] = field(default_factory=dict)
+    doubts: Mapping[str, Doubt] = field(default_factory=dict)
+    decimal_comma: bool = False
+    symbols: Symbols = field(default_factory=Symbols, compare=False)
+    repair_pi: bool = False
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict, compare=False)
+
+    @property
+    def angle(self) -> Unit | None:
+        """The unit of angles; None where nothing declares one, which means rad."""
+        return self.known.get(Dimension.ANGLE)
+
+    def of(self, dimension: Dimension) -> Unit | None:
+        """The unit of numbers of a dimension that name none."""
+        unit, base = self.known.get(dimension), self.known.get(_RATES.get(dimension, dimension))
+        return unit or (base and _rate_of(base))
+
+    def unit_of(self, name: str | None, dimension: Dimension) -> Unit | None:
+        """The unit of a field's numbers that name none; None where that is the SI unit, or in doubt."""
+        own = self.columns.get(name or "")
+        return own or (None if self.doubt(dimension, name) else self.of(dimension))
+
+    def doubt(self, dimension: Dimension, name: str | None = None) -> Doubt | None:
+        """Why the unit of a bare number of a dimension, and perhaps of a field, is not sure; None where it is."""
+        if not self.doubts or name in self.columns:
+            return None
+        doubt = self.doubts.get(name or "")
+        if doubt and doubt.dimension not in (None, dimension) and dimension in self.known:
+            doubt = None  # it is about the field's other kind of numbers, and the unit of this kind is declared
+        return doubt or self.doubts.get(dimension)
+
+    @property
+    def in_functions(self) -> Unit | None:
+        """The unit of a bare number in ``sin``, ``cos`` or ``tan``: degrees, where any angle of the table has them."""
+        angles = [unit for unit in (self.angle, *self.columns.values()) if unit and unit.dimension is Dimension.ANGLE]
+        return next((unit for unit in angles if unit.parts), angles[0] if angles else None)
+
+
+def _rate_of(unit: Unit) -> Unit:
+    """A unit of length or angle per second."""
+    rate = Dimension.SPEED if unit.dimension is Dimension.LENGTH else Dimension.TURN_RATE
+    return replace(unit, symbol=f"{unit.symbol}/s", dimension=rate)
 
 
 def group_of(name: str) -> tuple[str, ...]:
     """The fields beside a field that hardly have another unit, and the field itself."""
     return next((group for group in _GROUPS if name in group), (name,))
+
+
+# --- The units of a table ---------------------------------------------------------------------------------------------
 
 
 def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None) -> Units:
@@ -87,11 +142,10 @@ def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None
         stated: what the table and the options declare.
         columns: its headers, where it has some.
     """
-    if columns is None:
-        return Units(known=stated, doubts=_of_kinds(stated, {}, stated, {}))
+    headers, fields = (columns.units, columns.fields) if columns else ({}, [])
     known, doubts = dict(stated), dict[str, Doubt]()
     for dimension, names in _GEOMETRY.items():
-        units = {name: columns.units.get(name) for name in names if name in columns.fields}
+        units = {name: headers.get(name) for name in names if name in fields}
         foreign = next((unit for unit in units.values() if unit and not unit.is_si), None)
         if foreign is None or dimension in stated:
             continue
@@ -100,9 +154,10 @@ def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None
         else:
             said = " and ".join(_unit_of(name, unit) for name, unit in units.items())
             doubts[dimension] = Doubt(said, foreign.symbol)
-    doubts |= _of_kinds(known, columns.units, stated, doubts)
-    doubts |= _beside(columns, Units(known=known), stated)
-    return Units(known=known, columns=columns.units, doubts=doubts, decimal_comma=columns.decimal_comma)
+    doubts |= _of_kinds(known, headers, stated, doubts)
+    if columns:
+        doubts |= _beside(columns, Units(known=known), stated)
+    return Units(known=known, columns=headers, doubts=doubts, decimal_comma=bool(columns and columns.decimal_comma))
 
 
 def _unit_of(what: str, unit: Unit | None) -> str:
@@ -116,46 +171,44 @@ def _of_kinds(
     doubts: Mapping[str, Doubt],
 ) -> dict[str, Doubt]:
     """Why the unit of a whole kind of quantities is in doubt: it may go with another that is not the SI unit."""
-    foreign = {str(what): _unit_of(word, unit) for what, word in _PLURAL.items() if (unit := _foreign(known, what))}
-    foreign |= {what: doubt.reason for what, doubt in doubts.items()}
-    bodies = [_unit_of(name, unit) for name in (*COM, "mass") if (unit := _foreign(headers, name))]
+
+    def foreign(units: Mapping[Any, Unit], names: Mapping[Any, str]) -> dict[str, str]:
+        given = {name: units[name] for name in names if name in units}
+        return {name: _unit_of(names[name], unit) for name, unit in given.items() if not unit.is_si}
+
+    reasons = foreign(known, _PLURAL) | {what: doubt.reason for what, doubt in doubts.items()}
+    bodies = [*foreign(headers, {name: name for name in (*COM, "mass")}).values()]
     found: dict[str, Doubt] = {}
     for what, measured, parts in _MADE_OF:
-        reasons = [foreign[part] for part in parts if part in foreign]
-        reasons += bodies if what is Dimension.INERTIA else []
-        if reasons and measured not in stated:
-            found[what] = Doubt(reasons[0], SI[measured])
+        why = [reasons[part] for part in parts if part in reasons] + (bodies if what is Dimension.INERTIA else [])
+        if why and measured not in stated:
+            found[what] = Doubt(why[0], SI_UNITS[measured])
     for rate, base in _RATES.items():
         if base in doubts and rate not in stated:
-            found[rate] = Doubt(doubts[base].reason, SI[rate])
+            found[rate] = Doubt(doubts[base].reason, SI_UNITS[rate])
     of_inertia = filter(None, (stated.get(Dimension.INERTIA), *map(headers.get, INERTIA)))
     other = next((unit for unit in of_inertia if not unit.symbol.startswith("kg")), None)
     if other and Dimension.MASS not in stated:
         found[Dimension.MASS] = Doubt(_unit_of("moments of inertia", other), other.symbol.partition("·")[0])
-    for key, one, left in _OF_TWO_KINDS:
-        if one in stated and left not in stated:
-            found[left] = Doubt(f"`units` declares {stated[one].symbol} for {key}", SI[left])
+    for key, kinds in UNIT_KEYS.items():  # what declares the unit of one kind of joints leaves open that of the other
+        declared = [stated[kind] for kind in kinds if kind in stated]
+        for left in kinds if declared else ():
+            if left not in stated:
+                found[left] = Doubt(f"`units` declares {declared[0].symbol} for {key}", SI_UNITS[left])
     return found
-
-
-def _foreign(units: Mapping[Any, Unit], name: str) -> Unit | None:
-    """A unit that is not the SI unit."""
-    unit = units.get(name)
-    return None if unit is None or unit.is_si else unit
 
 
 def _beside(columns: Columns, units: Units, stated: Mapping[Dimension, Unit]) -> dict[str, Doubt]:
     """Columns without a unit beside one whose header has another unit than the numbers would be read in."""
     found: dict[str, Doubt] = {}
     for name in columns.names:
-        rate = name == "velocity"
-        for other in () if name in columns.units else _OF_THE_JOINT if rate else group_of(name):
-            said = columns.units.get(other)
-            unit = rate_of(said) if said and rate else said
-            if said is None or unit is None or unit.dimension in stated:
+        is_rate = name == "velocity"
+        for other in () if name in columns.units else _OF_THE_JOINT if is_rate else group_of(name):
+            if (said := columns.units.get(other)) is None:
                 continue
+            unit = _rate_of(said) if is_rate else said
             read = units.of(unit.dimension)
-            is_read = unit == read or (read is None and unit.is_si)
+            is_read = unit == read or (read is None and unit.is_si) or unit.dimension in stated
             if unit.dimension in (FIELDS[name].dimension, FIELDS[name].linear) and not is_read:
                 found.setdefault(name, Doubt(_unit_of(other, said), unit.symbol, unit.dimension))
     return found
@@ -167,7 +220,7 @@ def _beside(columns: Columns, units: Units, stated: Mapping[Dimension, Unit]) ->
 def unit_advice(doubt: Doubt, dimension: Dimension, text: str) -> str:
     """How to say the unit of a number that has none."""
     key = KEY_OF.get(dimension)
-    unit = doubt.unit if doubt.dimension in (None, dimension) else SI.get(dimension, doubt.unit)
+    unit = doubt.unit if doubt.dimension in (None, dimension) else SI_UNITS.get(dimension, doubt.unit)
     return f"name its unit: '{text.strip()} {unit}'" + (f", or `units: {{{key}: {unit}}}`" if key else "")
 
 
@@ -186,13 +239,12 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
     """
     if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
         return
-    doubt, text = units.doubt(dimension), cell.text
-    if doubt is None and units.of(dimension) is None:
-        units.bare.setdefault(dimension, (name, cell))
-    if doubt:
+    if doubt := units.doubt(dimension):
         accepted = f"0, or a number with a unit: {accepted_units(dimension)}"
-        message = f"{shown(text)} has no unit, and {doubt.reason}"
-        raise QuantityError(message, accepted, unit_advice(doubt, dimension, text))
+        message = f"{shown(cell.text)} has no unit, and {doubt.reason}"
+        raise QuantityError(message, accepted, unit_advice(doubt, dimension, cell.text))
+    if units.of(dimension) is None:
+        units.bare.setdefault(dimension, (name, cell))
 
 
 def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Problem]:
@@ -211,31 +263,24 @@ def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Pro
         named = next((each for each in (name, *group) if (each, dimension) in foreign), None)
         if named and (group, dimension) not in seen:
             seen.add((group, dimension))
-            about = {"named": named, "other": foreign[named, dimension].text, "unit": SI[dimension]}
+            about = {"named": named, "other": foreign[named, dimension].text, "unit": SI_UNITS[dimension]}
             yield say("bare-beside-cells", cell.mark, field=name, found=text, number=text.strip(), **about)
     for dimension, names in _GEOMETRY.items():
         cells = {name: foreign[name, dimension] for name in names if (name, dimension) in foreign}
         if dimension not in units.bare or not cells or any((name, dimension) in bare for name in names):
             continue
-        field, number = units.bare[dimension]
+        name, number = units.bare[dimension]
         named, cell = next(iter(cells.items()))
         about = {"named": named, "other": cell.text, "units": accepted_units(dimension), "key": KEY_OF[dimension]}
-        yield say("bare-outside-rows", number.mark, field=field, found=number.text, **about)
+        yield say("bare-outside-rows", number.mark, field=name, found=number.text, **about)
 
 
 def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark]]) -> list[Problem]:
     """What is wrong with headers' units beside the units declared for the whole table."""
-    return [
-        say(
-            "unit-twice",
-            columns.mark,
-            field=name,
-            found=columns.header_of(name),
-            unit=unit.symbol,
-            place=place,
-            said=said.symbol,
-        )
-        for said, place in declared
-        for name, unit in columns.units.items()
-        if unit.dimension is said.dimension and unit != said
-    ]
+    found = []
+    for said, place in declared:
+        for name, unit in columns.units.items():
+            if unit.dimension is said.dimension and unit != said:
+                about: dict[str, Any] = {"unit": unit.symbol, "place": place, "said": said.symbol}
+                found.append(say("unit-twice", columns.mark, field=name, found=columns.header_of(name), **about))
+    return found

@@ -48,6 +48,7 @@ _LARGEST |= dict.fromkeys((Dimension.TORQUE, Dimension.FORCE), "effort")
 _LONGEST, _LONGEST_KEY, _LONGEST_UNIT = 300, 60, 24
 """Characters of a header that may name a field, of the words of one, and of a unit behind them."""
 _SURE, _LONG, SHORTEST_CORE = 4, 5, 3
+"""Letters of a name and of another word that a slip does not change, and of what is left without words around it."""
 
 
 class Header(NamedTuple):
@@ -109,20 +110,14 @@ def _read(text: str) -> Header:
             header, plain = beside, f"{plain} {inner}" if beside.field is not header.field else plain
         elif header.field and header.field.dimension and inner:
             others.append(inner)  # in brackets behind a quantity is its unit
-    return _measured(header, units or others[-1:])
-
-
-def _measured(header: Header, units: list[str]) -> Header:
-    """A header with its unit; several that are not the same make none that is known."""
+    units = units or others[-1:]
     if header.field and not header.field.dimension:
         return Header(None, header.key, units[-1]) if units else header  # `I [kg·m²]` is no index
     several = len({UNITS.get(unit_word(unit)) for unit in units}) > 1
-    unit = " and ".join(units) if several else units[-1] if units else None
-    if unit and header.field and header.field.name in ("upper", "limits"):
-        measured = UNITS.get(unit_word(unit))
-        name = _LARGEST.get(measured.dimension) if measured else None
-        header = header._replace(field=FIELDS[name]) if name else header
-    return header._replace(unit=unit)
+    measured = UNITS.get(unit_word(units[-1])) if units else None
+    if measured and not several and header.field and header.field.name in ("upper", "limits"):
+        header = header._replace(field=FIELDS[_LARGEST.get(measured.dimension, header.field.name)])
+    return header._replace(unit=(" and ".join(units) if several else units[-1]) if units else None)
 
 
 def _with_loose_unit(plain: str) -> Header:
@@ -133,16 +128,13 @@ def _with_loose_unit(plain: str) -> Header:
     for match in re.compile(_BEFORE_UNIT).finditer(plain, max(0, len(plain) - _LONGEST_UNIT)):
         front, tail = plain[: match.start()], plain[match.end() :]
         code = tail.replace("_per_", "/")
-        unit = next((form for form in (tail, code.replace("_", "/"), code.replace("_", "·")) if _is_any_unit(form)), "")
+        forms = [form for form in (tail, code.replace("_", "/"), code.replace("_", "·")) if form and " " not in form]
+        # A unit that is none here, as in `α in Grad`, is refused with what to write.
+        unit = next((form for form in forms if is_unit(form, others=True)), "")
         # What stands loose behind a name is its unit only if it is one: `com x` and `comment` are no units.
         if unit and (named := _named(front)).is_known and (named.field is None or named.field.dimension):
             return named._replace(unit=unit)
     return header
-
-
-def _is_any_unit(text: str) -> bool:
-    """Whether a word is a unit, also one that is none here, as in `α in Grad`: it is refused with what to write."""
-    return bool(text) and " " not in text and is_unit(text, others=True)
 
 
 def _beside(front: str, inner: str, header: Header) -> Header | None:
@@ -216,13 +208,8 @@ def _cores(key: str, name: str) -> frozenset[str]:
     if len(key) > _LONGEST_KEY or not (key.startswith(around) or key.endswith(around)):
         return frozenset((key,))
     rests = {rest for word in around for rest in (key.removeprefix(word), key.removesuffix(word)) if rest != key}
-    kept = [rest for rest in rests if len(rest) >= (SHORTEST_CORE if rest.isascii() else 1) and not _is_word(rest)]
-    return frozenset((key,)).union(*(_cores(rest, name) for rest in kept))
-
-
-def _is_word(key: str) -> bool:
-    """Whether a word that misses a header by one letter means something else."""
-    return key in keys_in("slips", "none")
+    least = [rest for rest in rests if len(rest) >= (SHORTEST_CORE if rest.isascii() else 1)]
+    return frozenset((key,)).union(*(_cores(rest, name) for rest in least if rest not in keys_in("slips", "none")))
 
 
 @lru_cache(maxsize=1024)
@@ -231,7 +218,7 @@ def misspelt(key: str) -> Field | None:
 
     Also with words around it that say nothing new: ``joint sgn``.
     """
-    if _is_word(key) or len(key) > _LONGEST_KEY:
+    if key in keys_in("slips", "none") or len(key) > _LONGEST_KEY:  # or it means something else
         return None
     written = {name: _cores(key, name) | {key.removesuffix("i")} for name in FIELDS}  # `tehta_i`
     for word, field in header_fields().items():

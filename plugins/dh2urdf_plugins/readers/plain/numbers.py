@@ -18,7 +18,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf_plugins.readers.words.cells import Units
+    from dh2urdf_plugins.readers.header.units import Units
 
 _TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""

@@ -20,9 +20,9 @@ from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.header_rows import is_beside
+from dh2urdf_plugins.readers.header.columns import is_value
+from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
 from dh2urdf_plugins.readers.header.units import group_of
-from dh2urdf_plugins.readers.header.unknown_columns import is_number, is_value
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.sample import PlainSample
@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf_plugins.readers.header.columns import Columns
-    from dh2urdf_plugins.readers.words.cells import Units, Value
+    from dh2urdf_plugins.readers.header.units import Units
+    from dh2urdf_plugins.readers.words.cells import Value
 
 T = TypeVar("T")
 Rows: TypeAlias = slice | list[int]
@@ -299,7 +300,7 @@ def _row_in_columns(  # noqa: PLR0917 - what a row consists of
     limits = Limits(**{name: found.pop(name, None) for name in LIMITS})
     com = tuple([found.pop(name) for name in COM]) if "com_x" in found else None
     inertia = Inertia(**{name: found.pop(name) for name in INERTIA}) if "ixx" in found else None
-    words = {"joint": joints[first], "link": links[first], "type": kinds[first], "sign": signs[first]}
+    words: dict[str, Any] = {"joint": joints[first], "link": links[first], "type": kinds[first], "sign": signs[first]}
     return new_dh_row(**words, limits=limits, com=com, inertia=inertia, **found)
 
 

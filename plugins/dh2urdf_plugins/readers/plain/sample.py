@@ -6,7 +6,7 @@ tables; this module compares them on the table at hand, in every run.
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
@@ -73,5 +73,5 @@ def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> N
     elif is_whole:
         refused = careful.problems[0]
         row = next((row for row in fast.rows if row.joint == refused.joint), fast)
-        about = {"joint": refused.joint, "field": refused.field, "found": refused.found, "row": repr(row)}
-        raise TableError(say("only-fast", refused.mark, robot=fast.name, reason=refused.message, **about))
+        problem = say("only-fast", refused.mark, robot=fast.name, reason=refused.message, row=repr(row))
+        raise TableError(replace(problem, joint=refused.joint, field=refused.field, found=refused.found))

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import DEGREE_SIGNS, plain_text, unwrapped
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf_plugins.readers.header.header_rows import is_beside
-from dh2urdf_plugins.readers.header.unknown_columns import is_number, left_out, refusal, refused, stray_number
-from dh2urdf_plugins.readers.header.words import read_header
+from dh2urdf_plugins.readers.header.columns import left_out, refusal, refused, stray_number
+from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.comment_lines import SPREADSHEET_ERROR
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.rows.rows import RowReader
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.fields import Refusal
 
 LABEL = ":"
 """What the key of a cell in a column that no field knows begins with; the header is behind it."""
@@ -76,22 +73,27 @@ class CellReader:
             if name is None:
                 self._unknown(cell, index, number, cells)
                 continue
-            about: dict[str, Any] = {"joint": f"joint_{number}", "field": name, "found": cell.text[:MAX_TEXT]}
-            if len(cell.text) > MAX_TEXT:
-                sizes = {"count": f"{len(cell.text):,}", "most": f"{MAX_TEXT:,}"}
-                self.reader.add(say("cell-too-long", cell.mark, **about, **sizes))
-                return None
-            if "\n" in cell.text:
-                start = shown(cell.text.partition("\n")[0])
-                self.reader.add(say("cell-of-lines", cell.mark, **about, start=start))
+            if len(cell.text) > MAX_TEXT or "\n" in cell.text:
+                lines = {
+                    "count": f"{len(cell.text):,}",
+                    "most": f"{MAX_TEXT:,}",
+                    "start": shown(cell.text.partition("\n")[0]),
+                }
+                self._note(
+                    "cell-too-long" if len(cell.text) > MAX_TEXT else "cell-of-lines", cell, name, number, **lines
+                )
                 return None
             if name == "type" and (kind := columns.types.get(cell.text.casefold())):
                 cell = cell._replace(text=kind.value)
             if is_name and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
-                self.reader.add(say("spreadsheet-error", cell.mark, **about))
+                self._note("spreadsheet-error", cell, name, number)
             parts = self._parts(cell, name, number) if name in GROUPS else {name: cell}
             cells |= parts if as_written else {part: self._plain(each, part, value) for part, each in parts.items()}
         return cells
+
+    def _note(self, code: str, cell: Cell, name: str, number: int, **values: Any) -> None:  # noqa: ANN401
+        about = {"joint": f"joint_{number}", "field": name, "found": cell.text[:MAX_TEXT]}
+        self.reader.add(say(code, cell.mark, **about, **values))
 
     def _parts(self, cell: Cell, name: str, number: int) -> dict[str, Cell]:
         """The cells of the fields that share a cell."""
@@ -158,16 +160,14 @@ class CellReader:
         """Notes that a column that names no field holds something, and refuses values in it."""
         if not cell.text:
             return
-        header, joint, problem = self.columns.headers[index], f"joint_{number}", None
+        header, problem = self.columns.headers[index], None
         counts = is_number(cell.text) and self._counts(cell.text, index, number)
         if not (self.has_type or cell.text.isdigit()):
             cells[f"{LABEL}{header}"] = cell  # which may be its type
-        if not header:
-            stray = index in self.strays and is_number(cell.text) and not counts
-            problem = stray_number(cell.text, cell.mark, joint) if stray else None
-        elif len(cell.text) <= MAX_TEXT:
-            why = _refusal(header)
-            problem = refused(cell, header, why, joint, number=number) if why.any_text or not counts else None
+        if header and len(cell.text) <= MAX_TEXT and (refusal(header).any_text or not counts):
+            problem = refused(cell, header, number)
+        elif index in self.strays and is_number(cell.text) and not counts:
+            problem = stray_number(cell.text, cell.mark, number)
         if problem:
             self.refused.setdefault(index, problem)
         if index in self.columns.silent and not counts:
@@ -186,19 +186,10 @@ class CellReader:
 
     def finish(self) -> None:
         """Reports what is wrong with columns and numbers of all rows, and once which columns are left out."""
-        found = [
-            index
-            for index in sorted(self.left_out - self.refused.keys())
-            if self.columns.headers[index] != self.reader.types_from
-        ]
         for problem in filter(None, [*self.refused.values(), self._in_two_ways()]):
             self.reader.add(problem)
+        headers, of_types = self.columns.headers, self.reader.types_from
+        found = [index for index in sorted(self.left_out - self.refused.keys()) if headers[index] != of_types]
         if found:
-            names = [(index, self.columns.headers[index]) for index in found]
-            self.reader.add(left_out(names, self.columns.marks[found[0]]))
+            self.reader.add(left_out(self.columns, found))
         self.columns.silent.difference_update(found)
-
-
-@lru_cache(maxsize=1024)
-def _refusal(header: str) -> Refusal:
-    return refusal(header, read_header(header))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
@@ -57,28 +57,31 @@ class JointRows:
         self.indexes = {place: cells.pop("index") for place, cells in self.rows.items() if "index" in cells}
         self._take_indexes_for_names()
         found = {place: _variables_in(cells, reader) for place, cells in self.rows.items()}
-        self.variables = {place: next(iter(row.values())) for place, row in found.items() if row}
-        numbers = [(place, number) for place, number in self.variables.items() if number]
-        self.count_from_second = bool(numbers) and all(place == number for place, number in numbers)
-        reader.from_zero = len(self.variables) > 1 and all(place == row for place, row in self.variables.items())
-        reader.from_zero &= 0 in self.variables
+        variables = {place: next(iter(row.values())) for place, row in found.items() if row}
+        numbers = [(place, number) for place, number in variables.items() if number]
+        self.variables, self.count_from_second = variables, bool(numbers) and all(k == number for k, number in numbers)
+        reader.from_zero = 0 in variables and len(variables) > 1 and all(k == row for k, row in variables.items())
         one_each = not reader.type_is_given and all(len(row) <= 1 for row in found.values())
-        sliding = {place for place, row in found.items() if one_each and "d" in row}
         for place, cells in self.rows.items():
             if not ("type" in cells and cells["type"].text):
-                self._settle_type(place, cells, slides=place in sliding)
+                self._settle_type(place, cells, slides=one_each and "d" in found[place])
         self.first = 0 if self._begins_with_base() else 1
         self._check_indexes()
         self._name_by_number("joint")
         self._name_by_number("link")
 
+    def _index(self, place: int) -> str:
+        return self.indexes[place].text if place in self.indexes else ""
+
     def _begins_with_base(self) -> bool:
         if 0 not in self.rows or _type_of(self.rows[0]) is not JointType.FIXED:
             return False
-        index = self.indexes[0].text if 0 in self.indexes else None
-        if index is None:
-            return self.count_from_second
-        return re.fullmatch(_ZERO, index) is not None or is_no_joint(index)
+        index = self._index(0)
+        return (
+            re.fullmatch(_ZERO, index) is not None or is_no_joint(index)
+            if 0 in self.indexes
+            else self.count_from_second
+        )
 
     # --- Types --------------------------------------------------------------------------------------------------------
 
@@ -104,24 +107,22 @@ class JointRows:
 
     def _settle_type(self, place: int, cells: Cells, *, slides: bool) -> None:
         """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""
-        mark = self.marks[place]
         name = next((cells[key].text for key in ("joint", "link") if key in cells), "")
-        index = self.indexes[place].text if place in self.indexes else ""
+        index, kind, refusal = self._index(place), JointType.REVOLUTE, ""
         no_joint = is_no_joint(name) or is_no_joint(index)
-        about: dict[str, Any] = {"joint": f"joint_{place + 1}", "field": "type", "number": place + 1}
         if slides and "theta" in cells and cells["theta"].text:
             kind = JointType.PRISMATIC
         elif self.variables and place not in self.variables:
             is_base = place == 0 and self.count_from_second and re.fullmatch(_ZERO, index or name)
-            kind = JointType.FIXED if no_joint or is_base else JointType.REVOLUTE
-            if kind is JointType.REVOLUTE:
-                self.reader.add(say("row-without-variable", mark, **about))
+            kind, refusal = (JointType.FIXED, "") if no_joint or is_base else (kind, "row-without-variable")
         elif no_joint and place not in self.variables and not self.reader.type_is_given:
-            kind = JointType.REVOLUTE
-            self.reader.add(say("row-no-joint", mark, **about, row=shown(name or index)))
+            refusal = "row-no-joint"
         else:
             return
-        cells["type"] = Cell(kind.value, mark)
+        if refusal:
+            about = {"joint": f"joint_{place + 1}", "field": "type", "row": shown(name or index)}
+            self.reader.add(say(refusal, self.marks[place], **about, number=place + 1))
+        cells["type"] = Cell(kind.value, self.marks[place])
 
     # --- Numbers and names --------------------------------------------------------------------------------------------
 
@@ -134,12 +135,11 @@ class JointRows:
 
     def _take_indexes_for_names(self) -> None:
         """Takes the column of numbers for one of names, where it has names and no other column has."""
-        if not self.indexes or any("joint" in cells for cells in self.rows.values()):
-            return
         texts = [index.text for index in self.indexes.values()]
-        if len(texts) == len(self.rows) and not any(text.isdecimal() for text in texts[:2]):
-            for place, cells in self.rows.items():
-                cells["joint"] = self.indexes.pop(place)
+        if any("joint" in cells for cells in self.rows.values()) or any(text.isdecimal() for text in texts[:2]):
+            return
+        for place, cells in self.rows.items() if len(texts) == len(self.rows) else ():
+            cells["joint"] = self.indexes.pop(place)
 
     def _check_indexes(self) -> None:
         """Refuses a row whose index is not its number, counted from 0 or 1."""
@@ -150,8 +150,11 @@ class JointRows:
             match = re.fullmatch(_LABELLED, index.text)
             stands = is_no_joint(index.text) and _type_of(self.rows[place]) is JointType.FIXED
             if not (match and int(match[1]) == place + first) and not stands:
-                about: dict[str, Any] = {"number": place + first, "text": shown(index.text)}
-                self.reader.add(say("index-wrong", index.mark, joint=f"joint_{place + 1}", field="index", **about))
+                self._refuse("index-wrong", place, "index", index, number=place + first)
+
+    def _refuse(self, code: str, place: int, field: str, cell: Cell, *, number: int) -> None:
+        about = {"joint": f"joint_{place + 1}", "field": field, "text": cell.text}
+        self.reader.add(say(code, cell.mark, **about, number=number))
 
     def _name_by_number(self, field: str) -> None:
         """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
@@ -167,8 +170,7 @@ class JointRows:
         for place, number in numbers.items():
             cell = cells[place]
             if not ids and number != place + first:
-                about: dict[str, Any] = {"number": place + first, "text": cell.text}
-                self.reader.add(say("number-wrong", cell.mark, joint=f"joint_{place + 1}", field=field, **about))
+                self._refuse("number-wrong", place, field, cell, number=place + first)
             self.rows[place][field] = cell._replace(text=f"{field}_{cell.text.partition('.')[0]}")
 
 

@@ -7,16 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
-from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
+from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
-from dh2urdf_plugins.readers.header.units import SI, unit_advice
+from dh2urdf_plugins.readers.header.units import unit_advice
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM, NEARLY
 from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, joint_type, type_advice
@@ -26,13 +25,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dh2urdf.quantities import Unit
-    from dh2urdf_plugins.readers.words.cells import Cell, Units
+    from dh2urdf_plugins.readers.header.units import Units
+    from dh2urdf_plugins.readers.words.cells import Cell
 
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected; reading it stops there."""
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
-NO_LIMITS = Limits()
 
 _HOMES = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
 """Where a joint variable may be."""
@@ -85,15 +84,19 @@ class RowReader:
         self.problems.append(problem)
         self.errors += problem.severity == "error"
 
-    def _at(self, name: str, **values: object) -> dict[str, Any]:
-        """What a message about a field of the row names: the place, what is there, and some values."""
+    def _note(self, code: str, name: str, **values: Any) -> None:  # noqa: ANN401 - what a message names
+        """Notes what is wrong with a field of the row."""
+        self.add(say(code, **self._at(name), **values))
+
+    def _at(self, name: str) -> dict[str, Any]:
+        """What a message about a field of the row names: the place, and what is there."""
         cell = self._cells.get(name)
         mark, found = (cell.mark, cell.text) if cell else (self._mark, None)
-        return {"mark": mark, "joint": self._joint, "field": name, "found": found, **values}
+        return {"mark": mark, "joint": self._joint, "field": name, "found": found}
 
-    def _absent(self, *names: str) -> bool:
-        """Whether no cell of some says anything."""
-        return not any(name in self._cells and self._cells[name].text for name in names)
+    def _says(self, *names: str) -> bool:
+        """Whether any of some cells says something."""
+        return any(name in self._cells and self._cells[name].text for name in names)
 
     # --- A row --------------------------------------------------------------------------------------------------------
 
@@ -112,40 +115,36 @@ class RowReader:
         link, kind = self._name("link"), self._type()
         if kind is JointType.FIXED and self._joint in ENDS:  # a frame of every description has this name
             self._joint = f"{self._joint}_joint"
-        marks = (self._at(name)["mark"] for name in ("joint", "link"))
-        self.names.append(RowNames(self._joint, link, *marks))
+        self.names.append(RowNames(self._joint, link, self._at("joint")["mark"], self._at("link")["mark"]))
         for name in REQUIRED:
-            if self._absent(name):
-                self.add(say("cell-empty" if name in cells else "cell-missing", **self._at(name)))
-        read = {
-            name: quantity
-            for name in cells
-            if FIELDS[name].dimension and (quantity := self._quantity(name, kind)) is not None
-        }
-        numbers: dict[str, Any] = {name: quantity.value for name, quantity in read.items()}
-        geometry = self._joint_variable(read, kind)
+            if not self._says(name):
+                self._note("cell-empty" if name in cells else "cell-missing", name)
+        measured = [name for name in cells if FIELDS[name].dimension]
+        read = {name: found for name in measured if (found := self._quantity(name, kind)) is not None}
+        numbers = {name: quantity.value for name, quantity in read.items()}
+        geometry, limits = self._joint_variable(read, kind), self._limits(read, kind)
         self._six_parameters(numbers)
         self._look_at_parts()
-        make = partial(
-            DHRow,
+        if self.said is not None:
+            told = {name: cell for name, cell in cells.items() if cell.text}
+            if "type" in told and told["type"].mark is mark:  # it follows from the variables
+                del told["type"]
+            units = self._units_of
+            self.said.append(
+                {key: Said(text=cell.text, mark=cell.mark, unit=units.get(key)) for key, cell in told.items()}
+            )
+        if self.errors > before:
+            return None
+        return DHRow(
             joint=self._joint,
             link=link,
             type=kind,
             **{name: number for name, number in numbers.items() if name in NUMBERS} | geometry,
-            limits=self._limits(read, kind),
-            com=None if self._absent(*COM) else tuple(numbers.get(name, 0.0) for name in COM),
-            inertia=None if self._absent(*INERTIA) else Inertia(**{name: numbers.get(name, 0.0) for name in INERTIA}),
+            limits=limits,
+            com=tuple(numbers.get(name, 0.0) for name in COM) if self._says(*COM) else None,  # type: ignore[arg-type]
+            inertia=Inertia(**{name: numbers.get(name, 0.0) for name in INERTIA}) if self._says(*INERTIA) else None,
             mark=mark,
         )
-        if self.said is not None:
-            self.said.append(
-                {
-                    name: Said(text=cell.text, mark=cell.mark, unit=self._units_of.get(name))
-                    for name, cell in cells.items()
-                    if cell.text and not (name == "type" and cell.mark is mark)  # it follows from the variables
-                }
-            )
-        return make() if self.errors == before else None
 
     def _name(self, field: str) -> str:
         default = f"{field}_{self._number}"
@@ -162,57 +161,46 @@ class RowReader:
         if cell and cell.text:
             kind = joint_type(cell.text)
             if kind is None:
-                self.add(say("type-unknown", **self._at("type"), suggestion=type_advice(cell.text)))
+                self._note("type-unknown", "type", suggestion=type_advice(cell.text))
             return kind or JointType.REVOLUTE
         if self.type_is_given or cell:
-            self.add(say("type-empty", **self._at("type")))
+            self._note("type-empty", "type")
         return JointType.REVOLUTE
 
     # --- A cell -------------------------------------------------------------------------------------------------------
 
     def _quantity(self, name: str, kind: JointType) -> Quantity | None:
         """What a cell says; None where it is empty or wrong, or where joints of the row's type have no such number."""
-        text, what, row_field = self._cells[name].text, FIELDS[name], ROW_FIELDS.get(name)
-        if not text:
+        cell, row_field, errors = self._cells[name], ROW_FIELDS.get(name), self.errors
+        if not cell.text:
             return None
         if row_field and kind not in row_field.types and name != "offset":
-            if text.strip("+-0.") not in ("", "n/a", "none"):
-                self.add(say("bound-left-out" if kind is JointType.CONTINUOUS else "left-out", **self._at(name)))
+            if cell.text.strip("+-0.") not in ("", "n/a", "none"):
+                self._note("bound-left-out" if kind is JointType.CONTINUOUS else "left-out", name)
             return None
-        dimension = (what.linear if kind is JointType.PRISMATIC else None) or what.dimension or Dimension.NUMBER
-        unit = self.units.columns.get(name) or self.units.sure(dimension, name)
-        if (quantity := self._evaluated(name, dimension, unit, kind)) is None:
+        dimension = FIELDS[name].measures(slides=kind is JointType.PRISMATIC)
+        unit, symbols = self.units.unit_of(name, dimension), self.units.symbols
+        if name == "d" and kind is JointType.PRISMATIC:  # a name that is the variable of its row is that
+            symbols = symbols.without(f"d{self._number - self.from_zero}")
+        own = unit if unit and unit.dimension is dimension else None
+        how = {"decimal_comma": self.units.decimal_comma, "angle": self._angle, "symbols": symbols}
+        try:
+            quantity = evaluate(cell.text, dimension, own, **how)  # type: ignore[arg-type]
+        except QuantityError as error:
+            accepted = "1 or -1" if name == "sign" else error.accepted
+            self.add(Problem(message=error.message, accepted=accepted, suggestion=error.suggestion, **self._at(name)))
             return None
-        errors = self.errors
         if not quantity.has_unit:
             self._look_at_unit(name, dimension, quantity, unit)
         elif quantity.foreign:
-            self.foreign.setdefault((name, dimension), self._cells[name])
+            self.foreign.setdefault((name, dimension), cell)
         self._look_at_variable(name, kind, quantity)
         if dimension is Dimension.ANGLE and self.errors == errors:
             quantity = self._angle_of(name, quantity)
         number = quantity.value
         if row_field and not (row_field.takes(number) or (name == "mass" and number == 0 and kind is JointType.FIXED)):
-            self.add(say("not-positive" if row_field.positive else "negative", **self._at(name)))
+            self._note("not-positive" if row_field.positive else "negative", name)
         return quantity if self.errors == errors else None
-
-    def _evaluated(self, name: str, dimension: Dimension, unit: Unit | None, kind: JointType) -> Quantity | None:
-        symbols = self.units.symbols
-        if name == "d" and kind is JointType.PRISMATIC:  # a name that is the variable of its row is that
-            symbols = symbols.without(f"d{self._number - self.from_zero}")
-        try:
-            return evaluate(
-                self._cells[name].text,
-                dimension,
-                unit if unit and unit.dimension is dimension else None,
-                decimal_comma=self.units.decimal_comma,
-                angle=self._angle,
-                symbols=symbols,
-            )
-        except QuantityError as error:
-            accepted = "1 or -1" if name == "sign" else error.accepted
-            self.add(Problem(message=error.message, accepted=accepted, suggestion=error.suggestion, **self._at(name)))
-            return None
 
     def _look_at_unit(self, name: str, dimension: Dimension, quantity: Quantity, unit: Unit | None) -> None:
         """Refuses a bare number whose unit is another dimension's, or not sure; remembers that nothing says it."""
@@ -224,12 +212,11 @@ class RowReader:
             return
         if unit and not dimension.holds(unit.dimension):
             kind = "prismatic" if dimension is FIELDS[name].linear else "revolute"
-            about = self._at(name, unit=unit.symbol, kind=kind, what=dimension, units=accepted_units(dimension))
-            self.add(say("unit-of-column", **about))
+            about = {"unit": unit.symbol, "kind": kind, "what": dimension}
+            self._note("unit-of-column", name, **about, units=accepted_units(dimension))
         elif doubt := self.units.doubt(dimension, name):
             advice = unit_advice(doubt, dimension, self._cells[name].text)
-            about = self._at(name, reason=doubt.reason, units=accepted_units(dimension), suggestion=advice)
-            self.add(say("unit-in-doubt", **about))
+            self._note("unit-in-doubt", name, reason=doubt.reason, units=accepted_units(dimension), suggestion=advice)
         elif unit is None:
             self.bare.setdefault((name, dimension), self._cells[name])
 
@@ -239,31 +226,28 @@ class RowReader:
         if variable is None:
             return
         home = "d" if kind is JointType.PRISMATIC else "theta"
-        number = self._number - self.from_zero
         if name != home or kind is JointType.FIXED or variable.kind not in ("q", home):
             advice = "give the row the type prismatic if the joint slides" if name == "d" else None
             if name == variable.kind == "d":
                 advice = f"define it: `# {variable.text} = 0.1` or `--symbol {variable.text}=100mm`; or {advice}"
             where = _HOMES.get(variable.kind, f"{_HOMES['theta']} or in d of a prismatic one")
-            about = self._at(name, variable=variable.text, home=where, suggestion=advice)
-            self.add(say("variable-elsewhere", **about))
-        elif variable.row is not None and variable.row != number:
+            self._note("variable-elsewhere", name, variable=variable.text, home=where, suggestion=advice)
+        elif variable.row not in (None, self._number - self.from_zero):
             own = f"{variable.kind}{self._number}"
-            about = self._at(name, row=variable.row, number=self._number, variable=own)
-            self.add(say("variable-of-another-row", **about))
+            self._note("variable-of-another-row", name, row=variable.row, number=self._number, variable=own)
 
     def _angle_of(self, name: str, quantity: Quantity) -> Quantity:
         """An angle, or what it is nearly; one of more than a turn is refused where no unit is declared for it."""
-        angle, cell = quantity.value, self._cells[name]
+        angle = quantity.value
         if name in ("lower", "upper"):
             if abs(angle) > LARGEST_LIMIT and name in self._unsaid:
-                self.add(say("limit-in-degrees", **self._at(name)))
+                self._note("limit-in-degrees", name)
         elif abs(angle) > LARGEST_ANGLE:
-            self.add(say("thousand-turns", **self._at(name)))
+            self._note("thousand-turns", name)
         elif abs(angle) > FULL_TURN and name in self._unsaid:
-            self.add(say("angle-in-degrees", **self._at(name)))
+            self._note("angle-in-degrees", name)
         elif meant := meant_by(angle):
-            self.rounded.append((cell, meant))
+            self.rounded.append((self._cells[name], meant))
             if self.units.repair_pi:
                 return replace(quantity, value=(rounded_quarter_turn(angle) or 0) * HALF_PI)
         return quantity
@@ -274,13 +258,8 @@ class RowReader:
             return None
         cell, meant = self.rounded[0]
         count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
-        return say(
-            "angle-repaired" if self.units.repair_pi else "angle-rounded",
-            cell.mark,
-            found=cell.text,
-            meant=meant,
-            count=count,
-        )
+        code = "angle-repaired" if self.units.repair_pi else "angle-rounded"
+        return say(code, cell.mark, found=cell.text, meant=meant, count=count)
 
     # --- Numbers together ---------------------------------------------------------------------------------------------
 
@@ -289,70 +268,68 @@ class RowReader:
         values = {name: read[name].value if name in read else 0.0 for name in ("a", "alpha", "d", "theta", "offset")}
         sign, turn = self._sign(read), "flip" if "flip" in self._cells else "sign"
         if kind is JointType.FIXED and values["offset"]:
-            self.add(say("offset-of-fixed", **self._at("offset")))
+            self._note("offset-of-fixed", "offset")
         if kind is JointType.FIXED and sign < 0:
-            self.add(say("direction-of-fixed", **self._at(turn)))
+            self._note("direction-of-fixed", turn)
         home = "d" if kind is JointType.PRISMATIC else "theta"
         said = read.get(home)
         if said and said.variable:
             if said.sign < 0 and sign < 0:
-                self.add(say("turned-twice", **self._at(turn), variable=said.variable.text))
+                self._note("turned-twice", turn, variable=said.variable.text)
             values |= {home: 0.0, "offset": values["offset"] + said.value}
             sign *= said.sign
         if kind is not JointType.PRISMATIC and (values["theta"] or values["offset"] or sign < 0):
             for name in ("lower", "upper"):
-                if not self._absent(name) and self._cells[name].of_theta:
-                    self.add(say("bound-of-theta", **self._at(name)))
+                if self._says(name) and self._cells[name].of_theta:
+                    self._note("bound-of-theta", name)
         return {**values, "sign": sign}
 
     def _sign(self, read: Mapping[str, Quantity]) -> int:
-        if not self._absent("flip"):
+        if self._says("flip"):
             flip = flip_of(self._cells["flip"].text)
             if flip is None:
-                self.add(say("flip-unknown", **self._at("flip")))
+                self._note("flip-unknown", "flip")
             return -1 if flip else 1
         sign = read["sign"].value if "sign" in read else 1
         if sign not in (1, -1):
-            self.add(say("sign-unknown", **self._at("sign")))
+            self._note("sign-unknown", "sign")
         return -1 if sign < 0 else 1
 
     def _six_parameters(self, numbers: Mapping[str, float]) -> None:
         """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""
         beta, gamma, b = (numbers.get(name, 0.0) for name in ("beta", "gamma", "b"))
         if b and "gamma" not in self._cells:
-            self.add(say("b-alone", **self._at("b")))
+            self._note("b-alone", "b")
         elif abs(b) > MEASURABLE_ARM:
-            self.add(say("b-too-long", **self._at("b"), metres=f"{b:.4g}", most=f"{MEASURABLE_ARM:g}"))
+            self._note("b-too-long", "b", metres=f"{b:.4g}", most=f"{MEASURABLE_ARM:g}")
         elif beta or gamma or b:
             self.extras[self._joint] = Extra(beta, gamma, b, self._at("gamma" if gamma else "b")["mark"])
 
     def _limits(self, read: Mapping[str, Quantity], kind: JointType) -> Limits:
-        if kind is JointType.FIXED or self._absent(*LIMITS):
-            return NO_LIMITS
+        if kind is JointType.FIXED or not self._says(*LIMITS):
+            return Limits()
         bounds = {name: read[name].value for name in LIMITS if name in read}
         for name, other in (("lower", "upper"), ("upper", "lower")):
-            if kind is not JointType.CONTINUOUS and self._absent(name) and not self._absent(other):
-                self.add(say("bound-missing", **self._at(name), other=other))
+            if kind is not JointType.CONTINUOUS and self._says(other) and not self._says(name):
+                self._note("bound-missing", name, other=other)
         if "lower" in bounds and "upper" in bounds and bounds["lower"] > bounds["upper"]:
-            self.add(say("bounds-exchanged", **self._at("lower"), upper=shown(self._cells["upper"].text)))
+            self._note("bounds-exchanged", "lower", upper=shown(self._cells["upper"].text))
         foreign = [name for name in ("lower", "upper", "offset") if name in read and read[name].foreign]
         if foreign and self._unsaid.get("velocity"):  # the joint's own cells name another unit than the SI unit
-            rate, word = (Dimension.SPEED, "mm") if kind is JointType.PRISMATIC else (Dimension.TURN_RATE, "deg")
-            there, words = (
-                self._cells[foreign[0]].text,
-                {"word": f"{word}/s", "si": SI[rate], "units": accepted_units(rate)},
-            )
-            self.add(say("speed-without-unit", **self._at("velocity", other=foreign[0], there=shown(there), **words)))
+            rate = FIELDS["velocity"].measures(slides=kind is JointType.PRISMATIC)
+            word, there = "mm/s" if rate is Dimension.SPEED else "deg/s", shown(self._cells[foreign[0]].text)
+            about = {"word": word, "si": SI_UNITS[rate], "units": accepted_units(rate)}
+            self._note("speed-without-unit", "velocity", other=foreign[0], there=there, **about)
         return Limits(**bounds)
 
     def _look_at_parts(self) -> None:
         """Refuses a part of a centre of mass or of a tensor, and a tensor without a mass."""
-        for names, needed in ((COM, COM), (INERTIA, INERTIA[:3])):
-            for name in () if self._absent(*names) else needed:
-                if self._absent(name):
-                    self.add(say("com-in-part" if names is COM else "inertia-in-part", **self._at(name)))
-        if not self._absent(*INERTIA) and self._absent("mass"):
-            self.add(say("inertia-without-mass", **self._at("mass")))
+        for names, needed, code in ((COM, COM, "com-in-part"), (INERTIA, INERTIA[:3], "inertia-in-part")):
+            for name in needed if self._says(*names) else ():
+                if not self._says(name):
+                    self._note(code, name)
+        if self._says(*INERTIA) and not self._says("mass"):
+            self._note("inertia-without-mass", "mass")
 
 
 def meant_by(angle: float) -> str | None:

@@ -1,11 +1,8 @@
-"""What a table of rows is read from: a file of rows, as each format gives them, and the rows of one manipulator."""
+"""What a table of rows is read from: a file of rows, as each format gives them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
-
-from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -59,31 +56,3 @@ class RowSource(Protocol):
             cells: its cells, as they were handed on.
             number: its number within its manipulator.
         """
-
-
-@dataclass(slots=True)
-class Rows:
-    """The rows of one manipulator as they are in the file.
-
-    Attributes:
-        name: the manipulator's name.
-        keys: the key of each row.
-        cells: the cells of each row; of more than are read, some are left out.
-        count: how many rows there are.
-        torn: whether other rows of the same manipulator stand elsewhere.
-        nameless: whether the robot column is empty in some of them.
-    """
-
-    name: str
-    keys: list[Any] = field(default_factory=list)
-    cells: list[Row] = field(default_factory=list)
-    count: int = 0
-    torn: bool = False
-    nameless: bool = False
-
-    def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
-        """Adds rows, as many as are needed to see that there are too many."""
-        room = max(0, MAX_JOINTS - len(self.cells))
-        self.keys.extend(keys[:room])
-        self.cells.extend(cells[:room])
-        self.count += len(cells)

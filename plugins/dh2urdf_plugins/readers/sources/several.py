@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
-from dh2urdf_plugins.readers.header.header_rows import text_in
-from dh2urdf_plugins.readers.header.unknown_columns import is_number
+from dh2urdf_plugins.readers.header.header_rows import is_number, text_in
 from dh2urdf_plugins.readers.words.cells import SPACES
 
 if TYPE_CHECKING:

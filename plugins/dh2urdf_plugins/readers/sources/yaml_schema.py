@@ -24,10 +24,9 @@ from dh2urdf_plugins.readers.words.fields import (
     FIELDS,
     GROUPS,
     IGNORED,
-    convention_words,
     key_of,
-    spellings,
-    type_words,
+    keys_of,
+    words_for,
 )
 
 if TYPE_CHECKING:
@@ -60,10 +59,10 @@ def table_schema() -> dict[str, Any]:
     defaults = table["properties"]["defaults"]
     defaults["properties"] = shared | defaults["properties"]
     defaults["patternProperties"] = joint["patternProperties"]
-    table["properties"]["convention"] |= _words(convention_words())
+    table["properties"]["convention"] |= _words(words_for("conventions"))
     table["properties"]["units"]["anyOf"][0]["properties"] = {key: _unit_words(key) for key in UNIT_KEYS}
     table["allOf"] = [_everywhere(name) for name in REQUIRED]
-    known["type"]["anyOf"][0] = _words(type_words())
+    known["type"]["anyOf"][0] = _words(words_for("types"))
     known["geometry"]["properties"]["shape"] = {"enum": list(SHAPES)}
     return schema
 
@@ -89,13 +88,18 @@ def _unit_words(key: str) -> dict[str, Any]:
 # --- Patterns of words ------------------------------------------------------------------------------------------------
 
 
+def _spellings(field: Field) -> list[str]:
+    """The headers of a field: each as it is written, and with ``ae`` for ``ä``."""
+    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
+
+
 def header_pattern(field: Field) -> str:
     """A pattern for the keys that are read as a field, with the words that may stand around its headers."""
     if not field.around:
-        return _any_form(spellings(field))
-    cores = [word for word in spellings(field) if len(key_of(word)) >= SHORTEST_CORE]
+        return _any_form(_spellings(field))
+    cores = [word for word in _spellings(field) if len(key_of(word)) >= SHORTEST_CORE]
     around = f"(?:(?:{_forms(field.around)}){_BETWEEN_LETTERS})*"
-    exact = _forms(spellings(field))
+    exact = _forms(_spellings(field))
     return f"^{_BETWEEN_LETTERS}(?:{exact}|{around}(?:{_forms(cores)}){_BETWEEN_LETTERS}{around}){_BETWEEN_LETTERS}$"
 
 

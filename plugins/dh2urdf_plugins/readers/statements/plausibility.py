@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Problem
-    from dh2urdf_plugins.readers.words.cells import Units
+    from dh2urdf_plugins.readers.header.units import Units
 
 say = Messages(__file__)
 

@@ -20,18 +20,19 @@ from dh2urdf.quantities import (
     is_unit,
     unit_word,
 )
+from dh2urdf.row_fields import SI_UNITS
 from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns
-from dh2urdf_plugins.readers.header.units import KEY_OF, SI, UNIT_KEYS, table_units
+from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, Units, table_units
 from dh2urdf_plugins.readers.statements import say
-from dh2urdf_plugins.readers.words.cells import Cell, Units
+from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_CONVENTIONS,
     convention_of,
-    convention_words,
     key_of,
     keys_in,
+    words_for,
 )
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class Statements:
         if convention := convention_of(cell.text):
             self.declare_implied_convention(convention, cell, add)
             return
-        code, words = "no-convention" if cell.text else "empty-convention", convention_words()
+        code, words = "no-convention" if cell.text else "empty-convention", words_for("conventions")
         advice = did_you_mean(cell.text, [word for word in words if len(word) > len("dh")]) if cell.text else None
         add(say(code, cell, "convention", accepted=ACCEPTED_CONVENTIONS, suggestion=advice))
 
@@ -158,7 +159,7 @@ class Statements:
     def declare_units(self, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes `units`: a mapping such as ``{length: mm, effort: [Nm, N]}``, or bare words such as ``mm, deg``."""
         if isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "si"):
-            self.stated |= {UNITS[SI[each]].dimension: (UNITS[SI[each]], node.mark) for each in _OF_SI}
+            self.stated |= {each: (UNITS[SI_UNITS[each]], node.mark) for each in _OF_SI}
             return
         if not isinstance(node.value, dict):
             words = words_of_units(node)

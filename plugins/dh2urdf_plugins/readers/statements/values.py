@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf.documents import Node
-    from dh2urdf_plugins.readers.words.cells import Units
+    from dh2urdf_plugins.readers.header.units import Units
 
 ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word."""
@@ -155,7 +155,9 @@ class Values:
         if node.text is None or node.value is None or isinstance(node.value, bool):
             self._no_value(node, what, "number")
         try:
-            quantity = evaluate(node.text, dimension, self.units.sure(dimension), angle=self.units.in_functions)
+            quantity = evaluate(
+                node.text, dimension, self.units.unit_of(None, dimension), angle=self.units.in_functions
+            )
             refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, self.units)
         except QuantityError as error:
             words = {"reason": error.message, "accepted": error.accepted, "suggestion": error.suggestion}

@@ -12,8 +12,8 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
-from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, text_in, unit_in
-from dh2urdf_plugins.readers.header.unknown_columns import is_number, stray_number
+from dh2urdf_plugins.readers.header.columns import stray_number
+from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, is_beside, is_number, text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES
 from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment
@@ -112,13 +112,13 @@ class CellRows:
         width = len(self.named)
         values: list[Value] = []
         for index, cell in enumerate(row.cells):
-            field, text = self.fields[index] if index < width else None, text_in(cell)
+            field = self.fields[index] if index < width else None
             if isinstance(cell, float) and field and FIELDS[field].dimension:
                 values.append(cell)
             elif isinstance(cell, Problem) and field:
-                values.append(LINE_END + text)
+                values.append(LINE_END + text_in(cell))
             elif (index < width and self.named[index]) or self._is_stray(index, cell):
-                values.append(text)
+                values.append(text_in(cell))
             elif index < width:
                 values.append("")  # a note
         return values + [""] * (width - len(values))
@@ -147,13 +147,12 @@ class CellRows:
         if self.prose and (problem := other_header(row, number)):
             yield problem
             return
-        joint = f"joint_{number}"
         for index, cell in enumerate(row.cells):
             field = self.fields[index] if index < len(self.fields) else None
             if isinstance(cell, Problem) and field:
-                yield replace(cell, joint=joint, field=field, mark=cell.mark or marks[index])
+                yield replace(cell, joint=f"joint_{number}", field=field, mark=cell.mark or marks[index])
             elif index >= len(self.fields) and self._is_stray(index, cell):
-                yield stray_number(text_in(cell), marks[index], joint)
+                yield stray_number(text_in(cell), marks[index], number)
 
 
 # --- Rows that are no joints ------------------------------------------------------------------------------------------
@@ -232,23 +231,3 @@ def other_header(row: CellRow, number: int) -> Problem | None:
     if is_header(row):
         return say("header-of-another-table", row.mark, joint=joint, number=number)
     return say("header-of-the-same-joints", row.mark, joint=joint, number=number) if _names_fields(row) else None
-
-
-def no_joint(texts: Sequence[str], columns: Columns, mark: Mark, number: int) -> Problem | None:
-    """What is wrong with a row that is no joint: it holds units, or is the header again; it does not count.
-
-    Args:
-        texts: its cells.
-        columns: those of the table.
-        mark: its place.
-        number: its number within its manipulator.
-    """
-    texts, joint = [text.strip(SPACES) for text in texts], f"joint_{number}"
-    units = {field: unit_in(text) for field, text in zip(columns.fields, texts, strict=False) if number == 1 and field}
-    if number == 1 and all(units.get(name) for name in REQUIRED):
-        header = columns.header_of("a")
-        return say("row-of-units", mark, joint=joint, field="a", found=units["a"], header=header, unit=units["a"])
-    if texts[: len(columns.headers)] != columns.headers:
-        return None
-    place = columns.mark.in_file
-    return say("header-again", mark, joint=joint, number=number, place=f" of {place}" if place else "")

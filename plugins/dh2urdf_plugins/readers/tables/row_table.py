@@ -8,50 +8,76 @@ read in both ways, and compared.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain, groupby
-from operator import itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.output import NameSet
-from dh2urdf.source import Messages, Problem, shown
+from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.sentences import declare, declare_types
-from dh2urdf_plugins.readers.header.units import unit_problems
+from dh2urdf_plugins.readers.header.header_rows import unit_in
+from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_problems
 from dh2urdf_plugins.readers.options import given_by
 from dh2urdf_plugins.readers.rows.cells import CellReader
-from dh2urdf_plugins.readers.rows.joint_rows import JointRows
+from dh2urdf_plugins.readers.rows.joint_rows import Cells, JointRows
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, RowReader
-from dh2urdf_plugins.readers.rows.source import Rows
-from dh2urdf_plugins.readers.statements.plausibility import far_away
+from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
+from dh2urdf_plugins.readers.rows.source import Row
+from dh2urdf_plugins.readers.statements.plausibility import arm_length, far_away, size_notice
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
-from dh2urdf_plugins.readers.tables.cell_rows import no_joint
-from dh2urdf_plugins.readers.tables.tables import manipulator, too_many_joints
-from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.fields import convention_of
-from dh2urdf_plugins.readers.words.names import MAX_NAME
+from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault, name_problems
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.documents import Node
-    from dh2urdf.source import Mark
     from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.comments.top import Top
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.plain.rows import PlainRows
-    from dh2urdf_plugins.readers.rows.source import Row, RowSource
-    from dh2urdf_plugins.readers.words.cells import Value
+    from dh2urdf_plugins.readers.rows.source import RowSource
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 """A row that takes the place of all rows, where only what holds for each of them counts."""
 say = Messages(__file__)
+
+
+@dataclass(slots=True)
+class Rows:
+    """The rows of one manipulator as they are in the file.
+
+    Attributes:
+        name: the manipulator's name.
+        keys: the key of each row.
+        cells: the cells of each row; of more than are read, some are left out.
+        count: how many rows there are.
+        torn: whether other rows of the same manipulator stand elsewhere.
+        nameless: whether the robot column is empty in some of them.
+    """
+
+    name: str
+    keys: list[Any] = field(default_factory=list)
+    cells: list[Row] = field(default_factory=list)
+    count: int = 0
+    torn: bool = False
+    nameless: bool = False
+
+    def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
+        """Adds rows, as many as are needed to see that there are too many."""
+        room = max(0, MAX_JOINTS - len(self.cells))
+        self.keys.extend(keys[:room])
+        self.cells.extend(cells[:room])
+        self.count += len(cells)
 
 
 class RowTable:
@@ -83,19 +109,16 @@ class RowTable:
         *,
         one: bool = False,
     ) -> None:
-        self.whole, self.one = name.mark, one
-        self.source, self.trace = source, trace
+        self.whole, self.one, self.source, self.trace = name.mark, one, source, trace
         self.columns = columns = source.start(top.columns)
-        self.statements = Statements()
+        self.statements, self.sentences, self.seen = Statements(), top.sentences, NameSet()
         self._define(top.comments, top.statements.get("symbols"))
         self.notices: list[Problem] = [*columns.notices]
-        self.sentences = top.sentences
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
-        place = {field: index for index, field in enumerate(columns.fields) if field}
+        place = {name: index for index, name in enumerate(columns.fields) if name}
         self.robot_column, self.convention_column = place.get("robot"), place.get("convention")
         self.has_type = "type" in place
-        self.seen = NameSet()
         said = self.statements.convention is not None or self.convention_column is not None
         self.plain_table = said and not one and (trace, options.calibration, options.in_convention) == (None,) * 3
         self.plain_table &= self.has_type or not any(sentence.types for sentence in self.sentences)
@@ -171,7 +194,7 @@ class RowTable:
         rows = Rows(self.name.text)
         for keys, batch in self.source.batches():
             finished, start = list[Rows](), 0
-            for value, some in groupby(batch, self._robot_of(batch)):
+            for value, some in groupby(batch, self._robot_of):
                 name, cells = text_of(value).strip(SPACES), list(some)
                 if not name and rows.keys:  # a cell that a spreadsheet has merged with the one above, perhaps
                     rows.nameless = True
@@ -184,14 +207,10 @@ class RowTable:
             yield self._torn(finished, rows)
         yield self._torn([rows])
 
-    def _robot_of(self, batch: Sequence[Row]) -> Callable[[Row], Value]:
+    def _robot_of(self, cells: Row) -> Any:  # noqa: ANN401 - a text, or a number
         """What names the manipulator of a row; one that is too short is refused later, and until then has no name."""
         column = self.robot_column
-        if column is None:
-            return lambda _: self.name.text
-        if batch and min(map(len, batch)) > column:
-            return itemgetter(column)
-        return lambda cells: cells[column] if len(cells) > column else ""
+        return self.name.text if column is None else cells[column] if len(cells) > column else ""
 
     def _torn(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
         """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
@@ -209,13 +228,11 @@ class RowTable:
 
     def _any(self, groups: list[Rows]) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
         """Reads manipulators fast where all are plain, and else one half of them after the other."""
-        if not groups:
-            return
-        if plain := self._plain(groups):
+        if groups and (plain := self._plain(groups)):
             yield plain if len(groups) > 1 else plain.tables()[0]
         elif len(groups) == 1:
             yield self._careful(groups[0])
-        else:
+        elif groups:
             half = len(groups) // 2
             yield from self._any(groups[:half])
             yield from self._any(groups[half:])
@@ -231,22 +248,22 @@ class RowTable:
         if not cells or (read := self.plain.read(cells, sizes)) is None or (statements := self._agreed(cells)) is None:
             return None
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
-        names, marks = [rows.name for rows in groups], [self.source.mark(rows.keys[0]) for rows in groups]
         lines = [tuple(self.source.places(rows.keys)) for rows in groups]
-        alike = [
-            (
-                tuple(members),
-                ManipulatorColumns.like(
-                    model,
-                    rows=found,
-                    names=[names[member] for member in members],
-                    marks=[marks[member] for member in members],
-                    lines=[lines[member] for member in members],
-                ),
+        arms = ManipulatorGroups(
+            groups=tuple(
+                (
+                    tuple(members),
+                    ManipulatorColumns.like(
+                        model,
+                        rows=found,
+                        names=[groups[member].name for member in members],
+                        marks=[self.source.mark(groups[member].keys[0]) for member in members],
+                        lines=[lines[member] for member in members],
+                    ),
+                )
+                for members, found in read
             )
-            for members, found in read
-        ]
-        arms = ManipulatorGroups(groups=tuple(alike))
+        )
         if (index := self.plain.sample.choose(sizes)) is not None:
             from dh2urdf_plugins.readers.plain.sample import HEAD, compare
 
@@ -261,9 +278,8 @@ class RowTable:
         if self.convention_column is None:
             return self.statements
         said = {text_of(row[self.convention_column]) for row in cells}
-        conventions = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
         stated = self.statements.convention
-        (convention, *others) = conventions
+        (convention, *others) = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
         if others or convention is None or (stated and stated[0] is not convention):
             return None
         return replace(self.statements, convention=(convention, self.whole))
@@ -276,8 +292,7 @@ class RowTable:
         for notice in self.notices:
             reader.add(notice)
         self.notices = []  # messages about the file go with the first manipulator, once
-        mark = self.source.mark(rows.keys[0]) if rows.keys and not self.one else self.whole
-        name = self.name
+        name, mark = self.name, self.source.mark(rows.keys[0]) if rows.keys and not self.one else self.whole
         if self.robot_column is not None and rows.keys:
             marks = self.source.row(rows.keys[0], rows.cells[0], 1)[0].marks or [mark]
             name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
@@ -287,43 +302,35 @@ class RowTable:
         if rows.torn:
             reader.add(say("robot-torn", name.mark, field="robot", found=name.text))
         statements, cells = replace(self.statements), CellReader(self.columns, reader)
-        read = self._read_rows(rows, statements, cells, reader)
+        read = self._read_rows(rows, statements, cells)
         cells.finish()
         self.plain_table &= cells.comma is None
         if self.robot_column is None and not reader.errors and (unused := statements.symbols.unused()):
             reader.add(unused)
-        return manipulator(name, statements, read, reader, mark, trace=self.trace)
+        return _manipulator(name, statements, read, reader, mark, trace=self.trace)
 
-    def _read_rows(
-        self, rows: Rows, statements: Statements, cell_reader: CellReader, reader: RowReader
-    ) -> list[DHRow | None]:
+    def _read_rows(self, rows: Rows, statements: Statements, cell_reader: CellReader) -> list[DHRow | None]:
         """The rows, None for each in which there is an error; and what they declare about the convention."""
-        found: list[tuple[dict[str, Cell] | None, Mark]] = []
+        reader, found = cell_reader.reader, list[tuple[Cells | None, Mark]]()
         for key, row in zip(rows.keys, rows.cells, strict=True):
-            mark, texts, number = self.source.mark(key), list(map(text_of, row)), len(found) + 1
-            if problem := no_joint(texts, self.columns, mark, number):
+            mark, number = self.source.mark(key), len(found) + 1
+            if problem := self._no_joint(list(map(text_of, row)), mark, number):
                 reader.add(problem)
                 continue
-            cells = None
             placed, wrong = self.source.row(key, row, number)
-            if problems := list(wrong):
-                for problem in problems:
-                    reader.add(problem)
-            elif cells := cell_reader.read(row, placed.marks or [], number):
-                if self.one:  # what a record does not have is not empty
-                    cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark is not mark}
-                if (robot := cells.pop("robot", None)) and not robot.text and rows.name:
-                    about = {"joint": f"joint_{number}", "field": "robot", "found": robot.text}
-                    reader.add(say("robot-unsaid", robot.mark, **about, number=number, above=shown(rows.name)))
-                if convention := cells.pop("convention", None):
-                    statements.declare_convention(convention, reader.add)
+            problems = list(wrong)
+            for problem in problems:
+                reader.add(problem)
+            cells = None if problems else cell_reader.read(row, placed.marks or [], number)
+            if cells and self.one:  # what a record does not have is not empty
+                cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark != mark}
             found.append((cells, mark))
+            if cells:
+                self._take_words(cells, rows.name, number, statements, reader)
             if _is_enough(reader):
                 return [None]
-        return self._joints(found, reader) if found or not rows.keys else [None]
-
-    def _joints(self, found: list[tuple[dict[str, Cell] | None, Mark]], reader: RowReader) -> list[DHRow | None]:
-        """The rows of cells that are told apart."""
+        if rows.keys and not found:
+            return [None]
         declare_types(self.sentences, found, reader.add)
         read: list[DHRow | None] = []
         for number, (cells, mark) in enumerate(found, start=JointRows(found, reader).first):
@@ -332,6 +339,25 @@ class RowTable:
                 break
         return read
 
+    def _no_joint(self, texts: Sequence[str], mark: Mark, number: int) -> Problem | None:
+        """What is wrong with a row that is no joint: it holds units, or is the header again; it does not count."""
+        columns, texts, joint = self.columns, [text.strip(SPACES) for text in texts], f"joint_{number}"
+        named = dict(zip(columns.fields, texts, strict=False)) if number == 1 else {}
+        if named and all(unit_in(named.get(name, "")) for name in REQUIRED):
+            header, unit = columns.header_of("a"), unit_in(named["a"])
+            return say("row-of-units", mark, joint=joint, field="a", found=unit, header=header, unit=unit)
+        again = texts[: len(columns.headers)] == columns.headers
+        return say("header-again", mark, joint=joint, number=number, place=columns.mark.in_file) if again else None
+
+    @staticmethod
+    def _take_words(cells: Cells, robot: str, number: int, statements: Statements, reader: RowReader) -> None:
+        """Takes the manipulator and the convention out of the cells of a row."""
+        if (said := cells.pop("robot", None)) and not said.text and robot:
+            about = {"joint": f"joint_{number}", "field": "robot", "found": said.text}
+            reader.add(say("robot-unsaid", said.mark, **about, number=number, above=shown(robot)))
+        if convention := cells.pop("convention", None):
+            statements.declare_convention(convention, reader.add)
+
 
 def _is_enough(reader: RowReader) -> bool:
     """Whether a manipulator has so many errors that reading it stops; reports that, then."""
@@ -339,3 +365,106 @@ def _is_enough(reader: RowReader) -> bool:
         return False
     reader.add(say("stopped", errors=reader.errors))
     return True
+
+
+# --- The manipulator of rows ------------------------------------------------------------------------------------------
+
+
+def _manipulator(
+    name: Cell,
+    statements: Statements,
+    rows: Sequence[DHRow | None],
+    reader: RowReader,
+    mark: Mark,
+    *,
+    trace: Trace | None = None,
+) -> Manipulator | Rejected:
+    """The manipulator that statements and rows make, or everything that is wrong with it.
+
+    Args:
+        name: its name.
+        statements: what holds for all rows.
+        rows: the rows; None where there is an error in one.
+        reader: what read the rows, with the problems so far.
+        mark: the manipulator's place.
+        trace: takes what the cells say, where it is wanted.
+    """
+    if trace is not None:
+        trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
+    if fault := name_fault(name.text):
+        reader.add(Problem(message=fault[0], mark=name.mark, field="name", found=name.text, accepted=fault[1]))
+    if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
+        reader.add(say("convention-unsaid", mark, field="convention"))
+    if not rows:
+        reader.add(say("no-joints", mark, field="joints"))
+    arm = [row for row in rows if row]
+    for problem in _problems_of_all_rows(reader, statements):
+        reader.add(problem)
+    if statements.calibration and arm and not reader.errors:
+        arm = _calibrated(arm, statements, mark, reader)
+    _look_at_sizes(arm, statements, reader)
+    problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
+    if reader.errors:
+        errors = tuple(problem for problem in problems if problem.severity == "error")
+        notices = tuple(problem for problem in problems if problem.severity == "notice")
+        return Rejected(name=name.text, problems=errors, mark=mark, notices=notices)
+    made = statements.manipulator(name.text, tuple(arm), mark, tuple(problems))
+    found = with_four_parameters(made, reader.extras)
+    if statements.in_convention is not None:
+        from dh2urdf_plugins.extraction.splitting import in_convention
+
+        return in_convention(found, statements.in_convention)
+    if trace is not None and found is not made:  # what cells say goes with the rows that they became
+        own = dict(zip([row.joint for row in made.rows], trace.rows, strict=True))
+        trace.rows = tuple(own.get(row.joint, {}) for row in found.rows)
+    return found
+
+
+def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
+    if reader.names:
+        yield from name_problems(reader.names)
+    if rounded := reader.rounded_angles():
+        yield rounded
+    yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
+    yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
+
+
+def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, reader: RowReader) -> list[DHRow]:
+    """The rows with the differences of a calibration."""
+    if statements.calibration is None or statements.convention is None:
+        return rows
+    said: Iterable[Problem]
+    try:
+        calibration = statements.calibration.read(statements.convention[0])
+        calibrated = calibration.applied(rows)
+    except TableError as error:
+        calibrated, said = rows, error.problems
+    else:
+        given, found = (statements.manipulator("calibrated", tuple(arm), mark) for arm in (rows, calibrated))
+        said = (*calibration.notices, calibration.notice(given, found))
+    for problem in said:
+        reader.add(problem)
+    return calibrated
+
+
+def _place(problem: Problem) -> tuple[bool, int, int]:
+    """The key by which problems are in the order of the file, those of the whole table behind all others."""
+    mark = problem.mark
+    return (False, mark.line, mark.column or 0) if mark and mark.line is not None else (True, 0, 0)
+
+
+def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowReader) -> None:
+    """Refuses an arm too long to be computed with, and notes what is hardly meant."""
+    length = arm_length(rows)
+    if length > MEASURABLE_ARM:
+        row = max(rows, key=lambda row: max(abs(row.a), abs(row.d)))
+        name, metres = ("a", row.a) if abs(row.a) >= abs(row.d) else ("d", row.d)
+        sizes: dict[str, Any] = {"metres": f"{metres:g}", "length": f"{length:.4g}", "most": f"{MEASURABLE_ARM:g}"}
+        reader.add(say("too-long", row.mark, joint=row.joint, field=name, **sizes))
+    if not reader.errors and (notice := size_notice(rows, reader.units, statements.values)):
+        reader.add(notice)
+
+
+def too_many_joints(count: int, mark: Mark) -> Problem:
+    """What is wrong with a manipulator of more joints than are read."""
+    return say("too-many-joints", mark, field="joints", count=f"{count:,}", most=f"{MAX_JOINTS:,}")

@@ -78,16 +78,6 @@ def words_for(section: str) -> dict[str, str]:
     return {word: kind for kind, line in lines for word in words_in(line)}
 
 
-def type_words() -> dict[str, JointType]:
-    """The words for types of joints, with the type of each."""
-    return {word: JointType(kind) for word, kind in words_for("types").items()}
-
-
-def convention_words() -> dict[str, Convention]:
-    """The words for conventions, with the convention of each."""
-    return {word: Convention(kind) for word, kind in words_for("conventions").items()}
-
-
 @cache
 def _keys_for(section: str) -> dict[str, str]:
     return {key: kind for word, kind in words_for(section).items() for key in keys_of(word)}
@@ -126,14 +116,13 @@ class Field:
 
     @property
     def languages(self) -> dict[str, tuple[str, ...]]:
-        """What tables call it, by language."""
+        """What tables call it, by language; `*` stands for the axes of a coordinate or a moment of inertia."""
         found = {key: words_in(line) for key, line in self._section.items() if key != "around"}
         if self.name not in _AXES:
             return found
         axes = self.name.removeprefix("com_").removeprefix("i")
-        forms = (
-            dict.fromkeys((axes, axes[::-1], axes.translate(str.maketrans("xyz", "123")))) if len(axes) > 1 else (axes,)
-        )
+        numbered = (axes.translate(str.maketrans("xyz", "123")),) if len(axes) > 1 else ()
+        forms = dict.fromkeys((axes, axes[::-1], *numbered))
         return {key: tuple(word.replace("*", form) for word in words for form in forms) for key, words in found.items()}
 
     @property
@@ -185,11 +174,6 @@ def parts_of(field: Field) -> tuple[str, ...]:
     return field.parts or (field.name,)
 
 
-def spellings(field: Field) -> list[str]:
-    """The headers of a field as a schema has them: each as it is written, and with ``ae`` for ``ä``."""
-    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
-
-
 # --- Headers that are no field ----------------------------------------------------------------------------------------
 
 IGNORED = "_"
@@ -234,12 +218,10 @@ def unheld(key: str) -> Refusal | None:
 
 # --- Words in cells ---------------------------------------------------------------------------------------------------
 
-ACCEPTED_TYPES = "revolute, rotational or R; prismatic, linear or P; continuous; fixed"
 ACCEPTED_CONVENTIONS = (
     "standard (classic, distal, Paul, Spong) for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
     "modified (Craig, proximal) for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)"
 )
-ACCEPTED_FLIPS = "true or false"
 _TYPES = {form: kind for kind in JointType for form in (kind.value, kind.value[0])}
 _CONVENTIONS = {kind.value: kind for kind in Convention}
 _LONGEST_NAME = 60

@@ -278,9 +278,10 @@ class TestHooks:
         manager = pluggy.PluginManager(hookspecs.PROJECT)
         manager.add_hookspecs(hookspecs)
         manager.register(dh2urdf_check if record is Subcommand else dh2urdf_plugins)
-        given = [getattr(manager.hook, hook)()[0][0]]
+        given = [next(iter(getattr(manager.hook, hook)()[0]))]
         manager.register(SimpleNamespace(**{hook: hookspecs.hookimpl(lambda: given)}))
         theirs, built_in = getattr(manager.hook, hook)()
+        built_in = list(built_in)
         assert theirs is given
         assert built_in
         assert all(isinstance(stage, record) for stage in built_in)
@@ -395,7 +396,7 @@ BUDGETS = {
     "pipeline/dh2urdf/measuring": 370,
     "pipeline/dh2urdf/meshes": 1150,
     "pipeline/dh2urdf/output": 1590,
-    "pipeline/dh2urdf/plugin_system": 1590,
+    "pipeline/dh2urdf/plugin_system": 1630,
     "pipeline/dh2urdf/quantities": 1370,
     "pipeline/dh2urdf/report": 2250,
     "pipeline/dh2urdf/robot_check": 360,
@@ -409,7 +410,7 @@ BUDGETS = {
     "pipeline/dh2urdf/testing": 1680,
     "pipeline/dh2urdf/variations": 1110,
     "plugins/dh2urdf_check": 6610,
-    "plugins/dh2urdf_plugins": 310,
+    "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 270,
     "plugins/dh2urdf_plugins/collision_pairs": 490,
     "plugins/dh2urdf_plugins/descriptions": 1500,

@@ -1,6 +1,6 @@
 """The built-in stages, through the same interface as any third party's.
 
-A stage's module is imported inside its hook, so that a run which needs no readers of one kind pays for none.
+A stage's module is imported inside its hook, when somebody looks so far: the usual ones come first.
 """
 
 from __future__ import annotations
@@ -10,21 +10,27 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.hookspecs import hookimpl
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from dh2urdf.stages import Edit, Emitter, Executor, Loader, Reader, Transform
 
 
 @hookimpl
-def dh2urdf_readers() -> Iterable[Reader[Any]]:
-    """Tables as CSV, as Parquet, as workbooks and as YAML, and the chains of robot descriptions."""
-    from dh2urdf_plugins.descriptions import readers as descriptions
-    from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+def dh2urdf_readers() -> Iterator[Reader[Any]]:
+    """Tables as CSV, as YAML, as workbooks and as Parquet, and the chains of robot descriptions."""
+    from dh2urdf_plugins.readers import csv
 
-    tables = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
-    chains = (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
-    origins = (descriptions.UR_KINEMATICS, descriptions.FRANKA_KINEMATICS)
-    return (*tables, *chains, *origins, descriptions.SCREWS)
+    yield csv.READER
+    from dh2urdf_plugins.readers import yaml
+
+    yield yaml.READER
+    from dh2urdf_plugins.readers import parquet, xlsx
+
+    yield from (xlsx.READER, parquet.READER)
+    from dh2urdf_plugins.descriptions import readers as descriptions
+
+    yield from (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)
+    yield from (descriptions.UR_KINEMATICS, descriptions.FRANKA_KINEMATICS, descriptions.SCREWS)
 
 
 @hookimpl
@@ -44,12 +50,20 @@ def dh2urdf_edits() -> Iterable[Edit[Any]]:
 
 
 @hookimpl
-def dh2urdf_emitters() -> Iterable[Emitter[Any]]:
+def dh2urdf_emitters() -> Iterator[Emitter[Any]]:
     """URDF and xacro macros, SDF for Gazebo, MJCF for MuJoCo, packages for ROS 2, SRDF for MoveIt, and tables."""
-    from dh2urdf_plugins.formats import mjcf, sdf, urdf, xacro
+    from dh2urdf_plugins.formats import urdf
+
+    yield urdf.EMITTER
+    from dh2urdf_plugins.formats import xacro
+
+    yield xacro.EMITTER
+    from dh2urdf_plugins.formats import mjcf, sdf
+
+    yield from (sdf.EMITTER, mjcf.EMITTER)
     from dh2urdf_plugins.packages import ros2, srdf, table
 
-    return (urdf.EMITTER, xacro.EMITTER, sdf.EMITTER, mjcf.EMITTER, ros2.EMITTER, srdf.EMITTER, table.EMITTER)
+    yield from (ros2.EMITTER, srdf.EMITTER, table.EMITTER)
 
 
 @hookimpl

@@ -12,7 +12,7 @@ from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Subcommand, Usual
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
     from typing import Literal
 
@@ -114,6 +114,8 @@ class Catalog:
         """
         distribution, _, own_name = name.rpartition(":")
         asked = [plugin for plugin in self._plugins if not distribution or plugin.is_of(distribution)]
+        if own := self._builtin(kind, asked, lambda stage: stage.name == own_name):
+            return self._only(kind, own_name, [own], warn=not distribution)  # type: ignore[no-any-return]
         for plugins in _by_right(asked, kind, own_name):
             if found := [item for item in self._provided(kind, plugins) if item.stage.name == own_name]:
                 return self._only(kind, own_name, found, warn=not distribution)  # type: ignore[no-any-return]
@@ -224,7 +226,9 @@ class Catalog:
         return False
 
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
-        best = self._with_suffix(kind, path.name, _by_right(self._plugins, kind)[0])
+        suffix = path.suffix.lower()
+        own = self._builtin(kind, self._plugins, lambda stage: suffix in getattr(stage, "suffixes", ()))
+        best = [(suffix, own)] if own else self._with_suffix(kind, path.name, _by_right(self._plugins, kind)[0])
         if not best or "." in path.name[1 : -len(best[0][0])]:  # A plugin may have a longer suffix, or the only one.
             best = self._with_suffix(kind, path.name, self._plugins)
         if not best:
@@ -292,6 +296,14 @@ class Catalog:
                     "warning: the %s %r of %s is used%s; `%s` chooses the one of %s",
                     *(winner.kind, winner.stage.name, winner.plugin.distribution, use, choice, plugin.distribution),
                 )
+
+    def _builtin(self, kind: Kind, plugins: Iterable[Plugin], is_wanted: Callable[[Any], bool]) -> Provided | None:
+        """Return the first stage of dh2urdf's own that is wanted; the hook is asked no further than that."""
+        for plugin in plugins:
+            for stage in self._stages.of(kind, plugin) if plugin.is_builtin else ():
+                if is_wanted(stage):
+                    return Provided(kind=kind, stage=stage, plugin=plugin)
+        return None
 
     def _provided(self, kind: Kind, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
         found = [(plugin, stage) for plugin in plugins for stage in self._stages.of(kind, plugin)]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, is_dataclass
+from itertools import count, islice
+from threading import RLock
 from typing import TYPE_CHECKING, Any, get_args
 
 import pluggy
@@ -50,6 +52,27 @@ def declared(plugin: Plugin) -> tuple[str, str] | None:
     return (kind, name) if kind in _GIVEN and name.split() == [name] else None
 
 
+class Remembered:
+    """What an iterator gives: it is asked no further than somebody wants, and for each item once.
+
+    Attributes:
+        kept: what it has given so far.
+    """
+
+    def __init__(self, source: Iterator[Any]) -> None:
+        self.kept: list[Any] = []
+        self._source, self._lock = source, RLock()
+
+    def __iter__(self) -> Iterator[Any]:
+        for place in count():
+            with self._lock:
+                if place == len(self.kept):
+                    self.kept += islice(self._source, 1)
+            if place == len(self.kept):
+                return
+            yield self.kept[place]
+
+
 class PluginStages:
     """Imports plugins, calls their hooks, and keeps what they give and how they fail.
 
@@ -62,16 +85,22 @@ class PluginStages:
         self._manager = pluggy.PluginManager(hookspecs.PROJECT)
         self._manager.add_hookspecs(hookspecs)
         self._hooks: dict[Plugin, dict[str, Callable[[], Any]] | None] = {}
-        self._found: dict[tuple[str, Plugin], tuple[Any, ...]] = {}
+        self._found: dict[tuple[str, Plugin], Remembered] = {}
 
-    def of(self, kind: str, plugin: Plugin) -> tuple[Any, ...]:
-        """Return the records of a kind that a plugin gives; it is imported unless its entry point names another one."""
+    def of(self, kind: str, plugin: Plugin) -> Iterable[Any]:
+        """The records of a kind that a plugin gives; it is imported unless its entry point names another one.
+
+        Those of dh2urdf itself are made one after the other, as far as somebody looks.
+        """
         if (kind, plugin) not in self._found:
-            self._found[kind, plugin] = ()
+            self._found[kind, plugin] = Remembered(iter(()))
             only = declared(plugin)
             try:
                 if only is None or only[0] == kind:
-                    self._found[kind, plugin] = tuple(self._records(kind, plugin, only[1] if only else None))
+                    records = self._records(kind, plugin, only[1] if only else None)
+                    self._found[kind, plugin] = Remembered(
+                        iter(list(records)) if only or not plugin.is_builtin else records
+                    )
             except KeyboardInterrupt:
                 raise
             except BaseException as error:  # noqa: BLE001 - an import runs anything, and may raise anything
@@ -81,9 +110,8 @@ class PluginStages:
 
     def known(self, kind: Kind, name: str, plugin: Plugin) -> bool:
         """Whether it is known that a plugin has a stage, without an import of it."""
-        return declared(plugin) == (kind, name) or any(
-            given.name == name for given in self._found.get((kind, plugin), ())
-        )
+        found = self._found.get((kind, plugin))
+        return declared(plugin) == (kind, name) or any(given.name == name for given in (found.kept if found else ()))
 
     def plugin_of(self, stage: Stage) -> Plugin:
         """Return the plugin that gave a stage.
@@ -92,7 +120,7 @@ class PluginStages:
             LookupError: none did.
         """
         for (_, plugin), found in self._found.items():
-            if any(given is stage for given in found):
+            if any(given is stage for given in found.kept):
                 return plugin
         raise LookupError(stage.name)
 
@@ -106,13 +134,15 @@ class PluginStages:
         if hooks is None:
             return
         source = f"the hook {hook}" if hooks else f"the entry point {plugin.entry!r}"
+        if hooks and plugin.is_builtin:
+            yield from hooks[hook]() if hook in hooks else ()
+            return
         if hooks:
             given = _called(hooks[hook], kind, plugin) if hook in hooks else []
         else:
             given = [plugin.module] if only or isinstance(plugin.module, _GIVEN[kind]) else []
         for record in given:
-            if not plugin.is_builtin:  # The tests check the others.
-                check_record(kind, record, source)
+            check_record(kind, record, source)
             if only in (None, record.name):
                 yield record
         names = [record.name for record in given]

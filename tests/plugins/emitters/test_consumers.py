@@ -19,16 +19,17 @@ from any_tables import SEEN_LENGTHS, manipulators
 from hypothesis import given, settings
 
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.stages import ReadsBack
+from dh2urdf.testing.oracle import table_pose as dh_product
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Emitter
 
@@ -49,34 +50,6 @@ def write(emitter: Emitter[Any], robot: Robot, folder: Path) -> Path:
     for file in files:
         (folder / file.name).write_bytes(file.content)
     return folder / files[0].name
-
-
-def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
-    """T(base_link → tool0), from the definition: the product of the rows' matrices."""
-
-    def turn(axis: int, angle: float) -> np.ndarray:
-        matrix, (i, j) = np.eye(4), ((axis + 1) % 3, (axis + 2) % 3)
-        matrix[i, i] = matrix[j, j] = math.cos(angle)
-        matrix[j, i] = math.sin(angle)
-        matrix[i, j] = -math.sin(angle)
-        return matrix
-
-    def move(axis: int, length: float) -> np.ndarray:
-        matrix = np.eye(4)
-        matrix[axis, 3] = length
-        return matrix
-
-    values = iter(q)
-    T = matrix_of(manipulator.base)
-    for row in manipulator.rows:
-        theta, d = row.theta, row.d
-        if row.type is JointType.PRISMATIC:
-            d += row.offset + row.sign * next(values)
-        elif row.type is not JointType.FIXED:
-            theta += row.offset + row.sign * next(values)
-        about_z, about_x = turn(2, theta) @ move(2, d), turn(0, row.alpha) @ move(0, row.a)
-        T = T @ (about_z @ about_x if manipulator.convention is Convention.STANDARD else about_x @ about_z)
-    return T @ matrix_of(manipulator.tool)
 
 
 def matrix_of(pose: Any) -> np.ndarray:

@@ -79,59 +79,6 @@ def test_links_that_touch_at_the_start_are_excluded() -> None:
         assert model.nexclude == neighbours.nexclude + 1
 
 
-def test_the_whole_file_is_known(arm: Robot) -> None:
-    """What is in the file of a small arm, to the letter.
-
-    Of its servo: 100 N less the weight of 2.5 kg, at 0.05 · 0.25 m, are 6038 N/m; times twice 50 ms, less the damping
-    of the joint, 603.3 N·s/m; and the inertia to which that belongs is 20 · 0.7548 kg.
-    """
-    small = replace(arm, links=(*arm.links[:3], arm.links[-1]), joints=arm.joints[:2] + arm.joints[-1:])
-    small = replace(small, joints=(*small.joints[:2], replace(small.joints[2], parent="link_1")))
-    assert text_of(small) == (
-        """<?xml version="1.0"?>
-<!-- made by hand -->
-<mujoco model="arm">
-  <compiler angle="radian" eulerseq="XYZ"/>
-  <option integrator="implicitfast"/>
-  <default>
-    <joint actuatorgravcomp="true"/>
-    <default class="visual">
-      <geom contype="0" conaffinity="0" group="1" mass="0"/>
-    </default>
-    <default class="collision">
-      <geom group="3" mass="0"/>
-    </default>
-  </default>
-  <worldbody>
-    <body name="base_link">
-      <body name="base_link_inertia">
-        <inertial pos="0 0 0.02" mass="4" fullinertia="0.25 0.25 0.5 0 0 0"/>
-        <geom class="visual" type="cylinder" size="0.06 0.02" rgba="0.5 0.5 0.5 1"/>
-        <body name="link_1" pos="0 0 0.089159" gravcomp="1">
-          <inertial pos="0 0.00001 1e-7" mass="2.5" fullinertia="1 1.5 2 0.1 -0.2 0"/>
-          <joint name="lift" type="slide" axis="0 0 1" range="0 0.5" actuatorfrcrange="-100 100" damping="0.5" armature="0.7548"/>
-          <geom class="visual" type="cylinder" size="0.04 0.2125" pos="-0.2125 0 0" euler="0 1.5707963267948966 0" rgba="1 0.5 0 1"/>
-          <geom class="visual" type="sphere" size="0.04" rgba="0.5 0.5 0.5 1"/>
-          <geom class="collision" type="cylinder" size="0.04 0.1725"/>
-          <site name="tool0"/>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <contact>
-    <exclude body1="base_link_inertia" body2="link_1"/>
-  </contact>
-  <actuator>
-    <position name="lift" joint="lift" kp="6038" kv="603.3" ctrlrange="0 0.5" forcerange="-100 100"/>
-  </actuator>
-  <keyframe>
-    <key name="home" qpos="0" ctrl="0"/>
-  </keyframe>
-</mujoco>
-"""
-    )
-
-
 def test_published_arms_are_the_same_in_mujoco(reference_robot: Any, capfd: pytest.CaptureFixture[str]) -> None:
     """MuJoCo has every mass, inertia, limit and effort, excludes the neighbours, and puts the site tool0 right."""
     robot = robot_of(reference_robot.manipulator)

@@ -1,4 +1,4 @@
-"""The table of any chain is the chain: random ones, and the published rows of arms whose makers describe them."""
+"""The table of any chain is the chain: random ones, and some with nearly parallel axes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from random_chains import largest_difference, random_chain
 
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Joint, Origin
-from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.extraction.solving import Choices, Solution, solve
 
 SEED = int(os.environ.get("GITHUB_RUN_NUMBER", "0"))
@@ -72,119 +71,16 @@ def test_a_tolerance_is_kept(tolerance: float) -> None:
         assert solution.error <= tolerance
 
 
-# The origins of the makers' descriptions (universal_robot, franka_ros) and the rows of their data sheets.
-UR5 = (
-    joint("shoulder_pan_joint", (0, 0, 0.089159), (0, 0, 0), (0, 0, 1)),
-    joint("shoulder_lift_joint", (0, 0.13585, 0), (0, HALF_PI, 0), (0, 1, 0)),
-    joint("elbow_joint", (0, -0.1197, 0.425), (0, 0, 0), (0, 1, 0)),
-    joint("wrist_1_joint", (0, 0, 0.39225), (0, HALF_PI, 0), (0, 1, 0)),
-    joint("wrist_2_joint", (0, 0.093, 0), (0, 0, 0), (0, 0, 1)),
-    joint("wrist_3_joint", (0, 0, 0.09465), (0, 0, 0), (0, 1, 0)),
-    joint("tool0", (0, 0.0823, 0), (-HALF_PI, 0, 0), kind="fixed"),
-)
-PANDA = (
-    joint("panda_joint1", (0, 0, 0.333)),
-    joint("panda_joint2", (0, 0, 0), (-HALF_PI, 0, 0)),
-    joint("panda_joint3", (0, -0.316, 0), (HALF_PI, 0, 0)),
-    joint("panda_joint4", (0.0825, 0, 0), (HALF_PI, 0, 0)),
-    joint("panda_joint5", (-0.0825, 0.384, 0), (-HALF_PI, 0, 0)),
-    joint("panda_joint6", (0, 0, 0), (HALF_PI, 0, 0)),
-    joint("panda_joint7", (0.088, 0, 0), (HALF_PI, 0, 0)),
-    joint("panda_joint8", (0, 0, 0.107), kind="fixed"),
-)
-# Those of ROS-Industrial's descriptions: abb_irb2400_support and kuka_kr6_support (KR 6 R900).
-IRB_2400 = (
-    joint("joint_1", (0, 0, 0.615)),
-    joint("joint_2", (0.1, 0, 0), axis=(0, 1, 0)),
-    joint("joint_3", (0, 0, 0.705), axis=(0, 1, 0)),
-    joint("joint_4", (0.258, 0, 0.135), axis=(1, 0, 0)),
-    joint("joint_5", (0.497, 0, 0), axis=(0, 1, 0)),
-    joint("joint_6", (0.085, 0, 0), axis=(1, 0, 0)),
-    joint("tool0", (0, 0, 0), (0, HALF_PI, 0), kind="fixed"),
-)
-KR_6 = (
-    joint("joint_a1", (0, 0, 0.4), axis=(0, 0, -1)),
-    joint("joint_a2", (0.025, 0, 0), axis=(0, 1, 0)),
-    joint("joint_a3", (0.455, 0, 0), axis=(0, 1, 0)),
-    joint("joint_a4", (0, 0, 0.035), axis=(-1, 0, 0)),
-    joint("joint_a5", (0.42, 0, 0), axis=(0, 1, 0)),
-    joint("joint_a6", (0.08, 0, 0), axis=(-1, 0, 0)),
-    joint("tool0", (0, 0, 0), (0, HALF_PI, 0), kind="fixed"),
-)
-
-
-class TestPublishedRows:
-    def test_ur5(self) -> None:
-        """Universal Robots' own table; the description's base is turned by π to the controller's."""
-        solution = solve(UR5, Choices())
-        assert rows(solution) == [
-            (0, HALF_PI, 0.089159, 0),
-            (-0.425, 0, 0, 0),
-            (-0.39225, 0, 0, 0),
-            (0, HALF_PI, 0.10915, 0),
-            (0, -HALF_PI, 0.09465, 0),
-            (0, 0, 0.0823, 0),
-        ]
-        assert solution.table.base.rpy == (0, 0, PI)
-        assert solution.table.base.translation == (0, 0, 0)
-        assert solution.table.tool.translation == (0, 0, 0)
-
-    def test_panda_modified(self) -> None:
-        """Franka's table (Craig's convention), flange included."""
-        solution = solve(PANDA, Choices(convention=Convention.MODIFIED))
-        assert rows(solution) == [
-            (0, 0, 0.333, 0),
-            (0, -HALF_PI, 0, 0),
-            (0, HALF_PI, 0.316, 0),
-            (0.0825, HALF_PI, 0, 0),
-            (-0.0825, -HALF_PI, 0.384, 0),
-            (0, HALF_PI, 0, 0),
-            (0.088, HALF_PI, 0.107, 0),
-        ]
-
-    def test_panda_standard(self) -> None:
-        solution = solve(PANDA, Choices())
-        assert [row[0] for row in rows(solution)] == [0, 0, 0.0825, -0.0825, 0, 0.088, 0]
-        assert [row[2] for row in rows(solution)] == [0.333, 0, 0.316, 0, 0.384, 0, 0.107]
-        assert all(row[3] == 0 for row in rows(solution))
-
-    def test_irb_2400(self) -> None:
-        """ABB's table, without base and tool."""
-        solution = solve(IRB_2400, Choices())
-        assert rows(solution) == [
-            (0.1, -HALF_PI, 0.615, 0),
-            (0.705, 0, 0, -HALF_PI),
-            (0.135, -HALF_PI, 0, 0),
-            (0, HALF_PI, 0.755, 0),
-            (0, -HALF_PI, 0, 0),
-            (0, 0, 0.085, PI),
-        ]
-        assert solution.table.base == solution.table.tool == IDENTITY
-
-    def test_kr_6(self) -> None:
-        """KUKA's table: z of axis 1 points down, where the base is turned by Rx(π)."""
-        solution = solve(KR_6, Choices())
-        assert rows(solution) == [
-            (0.025, HALF_PI, -0.4, 0),
-            (0.455, 0, 0, 0),
-            (0.035, HALF_PI, 0, -HALF_PI),
-            (0, -HALF_PI, -0.42, 0),
-            (0, HALF_PI, 0, 0),
-            (0, PI, -0.08, PI),
-        ]
-        assert solution.table.base.rotation == (1, 0, 0, 0, -1, 0, 0, 0, -1)
-        assert solution.table.tool == IDENTITY
-
-    def test_a_cartesian_arm(self) -> None:
-        """Three prismatic joints at right angles, wherever the file has their axes."""
-        joints = (
-            joint("x", (0, 0.3, 0.2), axis=(1, 0, 0), kind="prismatic"),
-            joint("y", (0.1, 0, 0), axis=(0, 1, 0), kind="prismatic"),
-            joint("z", (0, 0, 0.4), axis=(0, 0, 1), kind="prismatic"),
-        )
-        solution = solve(joints, Choices())
-        assert solution.error < 1e-15
-        assert all(row[0] == 0 for row in rows(solution))
+def test_a_cartesian_arm() -> None:
+    """Three prismatic joints at right angles, wherever the file has their axes."""
+    joints = (
+        joint("x", (0, 0.3, 0.2), axis=(1, 0, 0), kind="prismatic"),
+        joint("y", (0.1, 0, 0), axis=(0, 1, 0), kind="prismatic"),
+        joint("z", (0, 0, 0.4), axis=(0, 0, 1), kind="prismatic"),
+    )
+    solution = solve(joints, Choices())
+    assert solution.error < 1e-15
+    assert all(row[0] == 0 for row in rows(solution))
 
 
 class TestNearlyParallelAxes:

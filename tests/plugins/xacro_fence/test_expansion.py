@@ -15,12 +15,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf.errors import CrashError, InputError, ProofError, TableError
+from dh2urdf.errors import CrashError, InputError, ProofError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.stages import Expansion
-from dh2urdf_check.inspection import inspect_xacro
-from dh2urdf_plugins.formats import foreign_xacro
-from dh2urdf_plugins.formats.xacro.reader import read_foreign_xacro
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
@@ -149,18 +146,6 @@ def test_a_hostile_file_is_refused_by_name(package: Path, name: str) -> None:
     assert re.search(ATTACKS[name][1], said), said
     assert SECRET not in said
     assert sorted(package.iterdir()) == before
-
-
-@pytest.mark.parametrize("name", ["lambda", "yaml", "environment"])
-def test_check_and_view_read_foreign_files_behind_the_fence(package: Path, name: str) -> None:
-    path = attack(package, name)
-    (finding,) = inspect_xacro(path).findings
-    assert finding.rule == "xacro-fails"
-    assert SECRET not in finding.message
-    with pytest.raises(ProofError, match="xacro cannot expand it"):
-        read_foreign_xacro(path)
-    with pytest.raises(TableError, match="xacro cannot expand it"):
-        foreign_xacro(path)
 
 
 @pytest.mark.parametrize("name", [name for name in ATTACKS if name not in ("macros", "loops")])  # these take seconds

@@ -15,10 +15,10 @@ from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages import Expansion, GivesNotices
-from dh2urdf.testing.oracle import robot_pose
+from dh2urdf.testing.oracle import robot_pose, table_pose
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF, UrdfOptions
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro.reader import read_foreign_xacro
@@ -37,27 +37,8 @@ TABLES = ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv"]
 
 
 def dh_product(manipulator: Manipulator, rows: Mapping[str, Mapping[str, float]], q: list[float]) -> Any:
-    """T(base → tool) as the textbooks have it, of rows whose numbers may be others than those of the table."""
-    values = iter(q)
-    pose = matrix(manipulator.base)
-    for row in manipulator.rows:
-        a, alpha, d, theta = (rows[row.joint][name] for name in ("a", "alpha", "d", "theta"))
-        if row.type is not JointType.FIXED:
-            value = row.sign * next(values) + row.offset
-            d, theta = (d + value, theta) if row.type is JointType.PRISMATIC else (d, theta + value)
-        screw_x, screw_z = screw(0, alpha, a), screw(2, theta, d)
-        pose = pose @ (screw_z @ screw_x if manipulator.convention is Convention.STANDARD else screw_x @ screw_z)
-    return pose @ matrix(manipulator.tool)
-
-
-def screw(axis: int, angle: float, length: float) -> Any:
-    """A turn about x (0) or z (2) and a shift along it."""
-    result = np.eye(4)
-    i, j = [k for k in range(3) if k != axis]
-    result[[i, j], [i, j]] = math.cos(angle)
-    result[i, j], result[j, i] = -math.sin(angle), math.sin(angle)
-    result[axis, 3] = length
-    return result
+    """T(base → tool) of rows whose numbers may be others than those of the table."""
+    return table_pose(replace(manipulator, rows=tuple(replace(row, **rows[row.joint]) for row in manipulator.rows)), q)
 
 
 def matrix(transform: Any) -> Any:

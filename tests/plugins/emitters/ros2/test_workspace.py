@@ -177,24 +177,6 @@ def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:
     assert all(Path(file["path"]).is_file() for file in row["files"])
 
 
-def test_a_package_cannot_go_to_standard_output(cli: Cli) -> None:
-    """The error names the option."""
-    result = cli("convert", TABLES / "ur5.csv", "--to", "ros2", status=2)
-    assert "--to ros2 writes a folder of files, and this goes to standard output" in result.stderr
-    assert "-o FOLDER" in result.stderr
-
-
-def test_a_run_of_several_robots_does_not_write_them_into_one_package(cli: Cli, tmp_path: Path) -> None:
-    """The option `package` is for one robot: the second one fails, and the first package is whole."""
-    run_file = tmp_path / "run.yaml"
-    stage = {"stage": "ros2", "options": {"package": "lab"}}
-    inputs = [str(TABLES / name) for name in ("ur5.csv", "scara.csv")]
-    run_file.write_text(yaml.safe_dump({"inputs": inputs, "emitters": [stage]}))
-    result = cli("run", run_file, "-o", tmp_path / "out", status=1)
-    assert "name the folder of one robot, and the run has several" in result.stdout + result.stderr
-    assert b"The description of ur5" in (tmp_path / "out" / "lab_description" / "package.xml").read_bytes()
-
-
 @pytest.mark.parametrize("package", ["a1", "a1_b"])
 @pytest.mark.parametrize("names", [("a1", "a1_b"), ("a1_b", "a1")])
 def test_names_that_begin_alike_share_no_package(

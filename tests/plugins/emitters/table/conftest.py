@@ -1,18 +1,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-import numpy as np
 import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import RigidTransform
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
 
 POSE = RigidTransform.from_xyz_rpy((0.1, -0.2, 0.3), (0.4, -0.5, 0.6))
 
@@ -61,39 +54,3 @@ def arm(request: pytest.FixtureRequest) -> Manipulator:
             DHRow(joint="last", link="plate_2", type=JointType.FIXED, a=0.0, alpha=math.pi, d=0.05, theta=math.pi / 3),
         ),
     )
-
-
-@pytest.fixture(scope="session")
-def product() -> Callable[[Manipulator, Sequence[float]], NDArray[np.float64]]:
-    """T(q) as the product of elementary matrices, in the order in which the textbooks have them."""
-
-    def turn(axis: int, angle: float) -> NDArray[np.float64]:
-        one, two = {0: (1, 2), 2: (0, 1)}[axis]
-        matrix = np.eye(4)
-        matrix[one, one] = matrix[two, two] = np.cos(angle)
-        matrix[one, two], matrix[two, one] = -np.sin(angle), np.sin(angle)
-        return matrix
-
-    def shift(axis: int, length: float) -> NDArray[np.float64]:
-        matrix = np.eye(4)
-        matrix[axis, 3] = length
-        return matrix
-
-    def whole(transform: RigidTransform) -> NDArray[np.float64]:
-        matrix = np.eye(4)
-        matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
-        matrix[:3, 3] = transform.translation
-        return matrix
-
-    def pose(arm: Manipulator, q: Sequence[float]) -> NDArray[np.float64]:
-        values, matrix = iter(q), whole(arm.base)
-        for row in arm.rows:
-            moved = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
-            slides = row.type is JointType.PRISMATIC
-            about_z = turn(2, row.theta + (0.0 if slides else moved)) @ shift(2, row.d + (moved if slides else 0.0))
-            about_x = shift(0, row.a) @ turn(0, row.alpha)
-            first, last = (about_z, about_x) if arm.convention is Convention.STANDARD else (about_x, about_z)
-            matrix = matrix @ first @ last
-        return matrix @ whole(arm.tool)
-
-    return pose

@@ -17,15 +17,15 @@ import pytest
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
+from dh2urdf.testing.oracle import table_pose as product
 from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from conftest import ReferenceRobot
     from numpy.typing import NDArray
 
-    Product = Callable[[Manipulator, Sequence[float]], NDArray[np.float64]]
 
 SAME = 1e-12
 OCTAVE = shutil.which("octave-cli")
@@ -111,13 +111,13 @@ class TestRecorded:
     def _stand_in(self, recorded: None) -> None:
         """Every test has the stand-in."""
 
-    def test_pose_of_every_feature(self, arm: Manipulator, product: Product) -> None:
+    def test_pose_of_every_feature(self, arm: Manipulator) -> None:
         """Signs, offsets, prismatic joints, fixed rows at the ends, base and tool, in both conventions."""
         robot = executed(arm)["robot"]
         for q in vectors(arm):
             assert np.abs(robot.fkine(q).A - product(arm, q)).max() <= SAME
 
-    def test_pose_of_a_published_robot(self, reference_robot: ReferenceRobot, product: Product) -> None:
+    def test_pose_of_a_published_robot(self, reference_robot: ReferenceRobot) -> None:
         """The code of each published table."""
         arm = reference_robot.manipulator
         assert foldable(arm)
@@ -179,7 +179,7 @@ def test_what_code_has_no_place_for(arm: Manipulator) -> None:
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("roboticstoolbox"), reason="roboticstoolbox-python is not installed")
-def test_the_toolbox_itself(arm: Manipulator, reference_robots: Sequence[ReferenceRobot], product: Product) -> None:
+def test_the_toolbox_itself(arm: Manipulator, reference_robots: Sequence[ReferenceRobot]) -> None:
     """`fkine` of the toolbox is T(q) of the table, of every published robot too; limits and masses arrive."""
     for each in (arm, *(robot.manipulator for robot in reference_robots)):
         robot = executed(each)["robot"]
@@ -212,7 +212,7 @@ def octave(folder: Path, *arms: Manipulator) -> list[NDArray[np.float64]]:
 class TestOctave:
     """The script is run by Octave."""
 
-    def test_pose_of_every_feature(self, arm: Manipulator, product: Product, tmp_path: Path) -> None:
+    def test_pose_of_every_feature(self, arm: Manipulator, tmp_path: Path) -> None:
         """A constant of a joint is a fixed body, a sign the direction of the axis; fixed rows may be anywhere."""
         fixed = DHRow(joint="between", link="b", type=JointType.FIXED, a=0.1, alpha=0.5, d=0.3, theta=-0.2)
         given = replace(arm, rows=(*arm.rows[:3], fixed, *arm.rows[3:]))
@@ -220,9 +220,7 @@ class TestOctave:
         for q, pose in zip(vectors(given), poses, strict=True):
             assert np.abs(pose - product(given, q)).max() <= SAME
 
-    def test_pose_of_published_robots(
-        self, reference_robots: Sequence[ReferenceRobot], product: Product, tmp_path: Path
-    ) -> None:
+    def test_pose_of_published_robots(self, reference_robots: Sequence[ReferenceRobot], tmp_path: Path) -> None:
         """The script of each published table."""
         arms = [robot.manipulator for robot in reference_robots]
         expected = [product(arm, q) for arm in arms for q in vectors(arm)]

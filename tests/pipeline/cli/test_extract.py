@@ -109,11 +109,11 @@ class TestPrinted:
         assert [arm.name for arm in dh2urdf.read_all(table)] == ["tree_b"]
         table.unlink()
         path.write_text(path.read_text().replace(second := head.format("j2"), second + mimic))
-        refused = cli("extract", str(path), "--tip-link", "*", "-o", str(table), status=2)
-        assert refused.stderr.count(": error: joint 'j") == 2
+        cli("extract", str(path), "--tip-link", "*", "-o", str(table), status=2)
         assert not table.exists()
-        with pytest.raises(InputError, match="joint 'j3'"):
+        with pytest.raises(InputError) as caught:
             dh2urdf.extract(path, tip_link="c")
+        assert caught.value.problems[0].joint == "j3"
 
     def test_standard_input(self, cli: Cli, ur5: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """A description that comes through a pipe has the tables of the file."""
@@ -140,8 +140,7 @@ class TestWritten:
         assert [row.a for row in again.rows] == pytest.approx([0, -0.425, -0.39225, 0, 0, 0], abs=1e-15)
         assert [row.alpha for row in again.rows] == [math.pi / 2, 0, 0, math.pi / 2, -math.pi / 2, 0]
         assert again.rows[0].limits.velocity == pytest.approx(3.15, abs=1e-12)
-        back = tmp_path / "back.urdf"
-        cli("convert", str(table), "-o", str(back))
+        cli("convert", str(table), "-o", str(tmp_path / "back.urdf"))
 
     def test_extract_of_its_description_is_the_same_file(self, cli: Cli, ur5: Path, tmp_path: Path) -> None:
         """extract ∘ convert ∘ extract = extract, but for the comments, which name the file."""

@@ -3,59 +3,26 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+import yaml
 
 import dh2urdf
 from dh2urdf.errors import TableError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from collections.abc import Callable, Sequence
 
     from conftest import Answer, ReferenceRobot
     from numpy.typing import NDArray
 
-    Frames = dict[str, tuple[float, ...]]
+    Frames = dict[str, Sequence[float]]
 
-UR5: Frames = {
-    "shoulder": (0, 0, 0.089201138580847966, -0.0, 0, 1.5413963267648517e-05),
-    "upper_arm": (8.28481932000539e-05, 0, 0, 1.5702793305568989, 0, 9.4248239648454113e-05),
-    "forearm": (-0.42514603197027351, 0, 0, 0.00027727163297603633, 0.00074181659174685764, 8.2061777589927939e-05),
-    "wrist_1": (
-        *(-0.39231335412023205, 0.00070367842866065884, 0.11004902881674888),
-        *(3.1351985141209435, -3.1400954402443415, 3.1415185610293745),
-    ),
-    "wrist_2": (
-        *(3.6501405590628345e-05, -0.094721186124807052, 0.0001791428279527357),
-        *(1.5689050644312028, 0, -1.320607040336194e-05),
-    ),
-    "wrist_3": (
-        *(0.00015399008043081661, 0.082421327089370319, 0.00012632686207930083),
-        *(1.5723290218826846, 3.1415926535897931, -3.14158677108863),
-    ),
-}
-"""A UR5 that somebody has measured."""
-UR5E: Frames = {
-    "shoulder": (0, 0, 0.1627122445743823, -0.0, 0, 5.707382499074709e-08),
-    "upper_arm": (0.0001820110310317555, 0, 0, 1.571314866107557, 0, 1.12157791523139e-06),
-    "forearm": (-0.425170344631444, 0, 0, 0.001444320579376547, -0.0004261037597356073, 4.642343028998144e-06),
-    "wrist_1": (
-        *(-0.392646598028507, -0.0004030322688786401, 0.1331063119537431),
-        *(0.003027888244224887, -0.001185722601572754, -2.569771029137183e-06),
-    ),
-    "wrist_2": (
-        *(-7.071306960874342e-06, -0.09960359635829828, -3.198591184007791e-07),
-        *(1.570799538115874, 0, 1.304820282092834e-06),
-    ),
-    "wrist_3": (
-        *(1.369362273278849e-05, 0.09958483828527664, 9.521789789182917e-05),
-        *(1.571752475045119, 3.141592653589793, 3.141592510837143),
-    ),
-}
-"""A UR5e that somebody else has measured."""
+ORIGINS: dict[str, Frames] = yaml.safe_load(Path(__file__).with_name("origins.yaml").read_text("utf-8"))
+UR5, FRANKA = ORIGINS["UR5"], ORIGINS["FRANKA"]
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 Q = [[0.0] * 6, [0.3, -1.2, 0.9, -0.4, 1.1, 2.0], [-2.0, -0.5, 1.7, 0.2, -1.4, 0.6]]
 
@@ -87,7 +54,7 @@ def product(frames: Frames, q: list[float]) -> NDArray[np.float64]:
     return pose
 
 
-@pytest.mark.parametrize("frames", [UR5, UR5E], ids=["UR5", "UR5e"])
+@pytest.mark.parametrize("frames", [UR5, ORIGINS["UR5e"]], ids=["UR5", "UR5e"])
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @pytest.mark.parametrize("near_parallel", ["dh", "split"])
 def test_the_table_is_the_arm(frames: Frames, convention: str, near_parallel: str, tmp_path: Path) -> None:
@@ -125,8 +92,8 @@ def test_in_a_run_and_in_commands(cli: Callable[..., Answer], tmp_path: Path) ->
         (r"  wrist_3:", "  wrist3:", "'wrist3' is no entry of a chain of origins"),
         (r"  wrist_3:(.|\n)*\Z", "", "there is no kinematics.wrist_3"),
         (r"    yaw: [^\n]*\n  upper", "  upper", "there is no kinematics.shoulder.yaw"),
-        (r"x: 0\n", "x: zero\n", "kinematics.shoulder.x is the text 'zero'"),
-        (r"x: 0\n", "x: .nan\n", "kinematics.shoulder.x is"),
+        (r"x: 0\.0\n", "x: zero\n", "kinematics.shoulder.x is the text 'zero'"),
+        (r"x: 0\.0\n", "x: .nan\n", "kinematics.shoulder.x is"),
         (r"(.|\n)*", "[1, 2]\n", "the file is a list of 2"),
     ],
 )
@@ -136,19 +103,6 @@ def test_what_is_wrong_has_its_place(pattern: str, new: str, message: str, tmp_p
     (path := tmp_path / "ur_calibration.yaml").write_text(text)
     with pytest.raises(TableError, match=re.escape(message)):
         dh2urdf.extract(path, reader="ur-kinematics")
-
-
-FRANKA: Frames = {
-    "joint1": (0, 0, 0.333, 0, 0, 0),
-    "joint2": (0, 0, 0, -1.570796326794897, 0, 0),
-    "joint3": (0, -0.316, 0, 1.570796326794897, 0, 0),
-    "joint4": (0.0825, 0, 0, 1.570796326794897, 0, 0),
-    "joint5": (-0.0825, 0.384, 0, -1.570796326794897, 0, 0),
-    "joint6": (0, 0, 0, 1.570796326794897, 0, 0),
-    "joint7": (0.088, 0, 0, 1.570796326794897, 0, 0),
-    "joint8": (0, 0, 0.107, 0, 0, 0),
-}
-"""robots/fer/kinematics.yaml of franka_description 1.0.1; those of fr3 and fp3 hold the same numbers."""
 
 
 def franka_text(frames: Frames) -> str:

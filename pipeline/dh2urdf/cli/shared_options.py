@@ -132,11 +132,7 @@ def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str
 
 
 def catalog() -> Catalog:
-    """What is installed, without what the command line leaves out; whatever it prints is not the command's answer.
-
-    Raises:
-        ConfigError: what it leaves out is not there.
-    """
+    """What is installed, without what the command line leaves out; whatever it prints is not the command's answer."""
     context = click.get_current_context()
     keep_apart(context)
     return loaded(context)
@@ -236,10 +232,6 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
     """A table of the command line, and the name of its reader; standard input where the table is a dash.
 
     What comes from there is kept in a file until the command ends.
-
-    Raises:
-        TableError: standard input is empty, too long or closed, or its format is not sure.
-        UnknownStageError: there is no such reader.
     """
     if str(table) != DASH:
         return table, reader
@@ -254,9 +246,7 @@ def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path
     """A robot description of the command line; standard input where the file is a dash.
 
     Raises:
-        TableError: standard input is empty, too long or closed.
         ConfigError: the format of standard input is not said: of a URDF, which a xacro may be too, nobody can be sure.
-        UnknownStageError: there is no such emitter.
     """
     if str(file) != DASH:
         return file

@@ -32,7 +32,6 @@ def inspect(
 
     Raises:
         ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.
-        BrokenPluginError: the emitter is at fault.
     """
     emitter = emitter_of(catalog, file, format_name, choice)
     checks = emitter.can(Checks)

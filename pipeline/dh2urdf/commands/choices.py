@@ -45,13 +45,7 @@ def option(mark: Mark, name: str, value: str = "") -> str:
 
 
 def chosen_reader(catalog: Catalog, table: Path, name: str | None, mark: Mark) -> Reader[Any]:
-    """The reader that is named, or the one by the table's suffix.
-
-    Raises:
-        TableError: there is no such table.
-        InputError: there is no reader, or several are.
-        PluginError: it is broken, or two plugins claim its name.
-    """
+    """The reader that is named, or the one by the table's suffix."""
     check_file(table, TableError)
     if name:
         return catalog.get("reader", name)
@@ -75,12 +69,7 @@ def reader_call(
 def read_manipulator(
     call: Call[Reader[Any]], table: Path, robot: str | None, mark: Mark, trace: Trace | None = None
 ) -> Manipulator:
-    """The manipulator of a table that is meant.
-
-    Raises:
-        TableError: it cannot be read, there is none, or which of several is not said.
-        ConfigError: the file is a run file.
-    """
+    """The manipulator of a table that is meant."""
     with refuse_run_file(table):
         return chosen_manipulator(read_items(call, table, trace), robot, str(table), mark)
 

@@ -176,10 +176,7 @@ def plan_conversion(
     `inputs` are further files that must not be overwritten, the other tables of the same command.
 
     Raises:
-        TableError: there is no such table.
         ConfigError: something that was asked for is wrong.
-        InputError: no installed reader or emitter takes a file's suffix, or none has the name.
-        PluginError: a plugin that is needed is broken.
     """
     readers: list[Any] = []
     if isinstance(table, Path):

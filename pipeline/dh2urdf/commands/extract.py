@@ -45,9 +45,7 @@ def description_reader(
     """The reader of a robot description, with its options; the arguments are those of `choices.reader_call`.
 
     Raises:
-        TableError: there is no such file.
         ConfigError: the reader reads tables, or an option is unknown or its value wrong.
-        InputError: no installed reader takes the file.
     """
     stage = chosen_reader(catalog, path, reader, mark)
     is_table = stage.can(ReadsDescriptions) is None
@@ -63,12 +61,7 @@ def description_reader(
 
 
 def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
-    """The links at the ends of a description's chains, each with the number of moving joints before it.
-
-    Raises:
-        TableError: the file cannot be read.
-        StageError: the reader is at fault.
-    """
+    """The links at the ends of a description's chains, each with the number of moving joints before it."""
     describes = call.stage.can(ReadsDescriptions)
     if describes is None:
         raise TypeError(call.stage.name)
@@ -137,11 +130,6 @@ def write_extracted(
 
     Returns:
         What the format has no place for, and names that are others there, as notices.
-
-    Raises:
-        InputError: no reader that writes takes the suffix, or its files hold one arm.
-        RecordValueError: what was written reads back as another arm.
-        OutputError: the file cannot be written, or is an input.
     """
     call = default_call(catalog, table_writer(catalog, out, Mark(file=str(out))))
     renamed: list[Problem] = []

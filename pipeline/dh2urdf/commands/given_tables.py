@@ -66,9 +66,7 @@ def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choic
         choice: how the format is named, for messages: ``reader=NAME``.
 
     Raises:
-        RecordTypeError: it is none of these.
         ConfigError: the format of a text or a stream is not said.
-        UnknownStageError: there is no such format.
     """
     content = _content(source)
     if content is None:

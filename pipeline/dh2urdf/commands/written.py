@@ -47,7 +47,6 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
 
     Raises:
         InputError: the reader only reads, or a file of its format cannot hold several such tables.
-        StageError: the reader is at fault.
     """
     writes = call.stage.can(WritesTables)
     if writes is None:
@@ -109,8 +108,6 @@ def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[st
 
     Raises:
         RecordValueError: the format has no place for something that the manipulator says.
-        ConfigError: the file's name is that of another format.
-        OutputError: the file cannot be written.
     """
     target = path_or_none("out", out, Mark(file=function))
     catalog = load()

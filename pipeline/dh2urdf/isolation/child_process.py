@@ -38,7 +38,7 @@ if sys.platform == "linux":
     from fcntl import F_SETPIPE_SZ, fcntl
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from typing import Self
 
 T = TypeVar("T")
@@ -142,6 +142,7 @@ class Child:
 
     Args:
         flags: options of Python, such as ``-X faulthandler``.
+        environment: variables that it has besides those of this process.
 
     Attributes:
         output: what was printed since the last call began.
@@ -152,7 +153,7 @@ class Child:
         OSError: it cannot be started.
     """
 
-    def __init__(self, *flags: str) -> None:
+    def __init__(self, *flags: str, environment: Mapping[str, str] | None = None) -> None:
         import tempfile
 
         self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
@@ -169,6 +170,7 @@ class Child:
                 start_new_session=True,  # A process group of its own, to end it with all that it started.
                 bufsize=0,
                 pass_fds=(number,),
+                env={**os.environ, **(environment or {})},
             )
         except BaseException:
             self._name.close()

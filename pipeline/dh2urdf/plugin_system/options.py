@@ -47,7 +47,6 @@ def make_options(
             to the working directory.
 
     Raises:
-        ConfigError: options are unknown, missing or not what they should be; all problems are reported at once.
         BrokenPluginError: the stage's options type itself does not work.
     """
     try:

@@ -51,9 +51,6 @@ def record_of(kind: type[T], node: Node, *, whose: str, keyword: str = "option",
         keyword: what messages call a key of it.
         folder: the folder of the file, which paths are relative to; those without a line are relative to the working
             directory.
-
-    Raises:
-        ConfigError: keys are unknown or missing, or values not what they should be; all problems are reported at once.
     """
     return _Given(kind, node, whose, keyword, folder).record()
 

@@ -81,7 +81,6 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
 
     Raises:
         ConfigError: something in the run file is wrong; all problems are reported at once.
-        PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
     asked = _Stages(catalog, config.problems, config.folder)
     inputs = asked.readers(config.inputs)
@@ -180,11 +179,7 @@ class _Stages:
             raise
 
     def call(self, kind: Any, asked: StageCall | InputCall, name: str | None = None) -> Call[Any] | None:  # noqa: ANN401
-        """The stage of a kind, of a name where one is given, with its options; None where something is wrong.
-
-        Raises:
-            PluginError: the plugin that it needs is broken, or several claim its name; the error has the place.
-        """
+        """The stage of a kind, of a name where one is given, with its options; None where something is wrong."""
         name = name or asked.stage
         with self._at(asked.mark):
             stage = self._catalog.get(kind, name) if name else self._catalog.usual(kind)

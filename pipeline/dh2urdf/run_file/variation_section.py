@@ -65,11 +65,7 @@ class _LawReader:
         return ConfigError(say(code, node.mark, field=self._field, found=node.text, **values))
 
     def read(self, law: str, node: Node) -> Law:
-        """The law.
-
-        Raises:
-            ConfigError: something is wrong with it.
-        """
+        """The law."""
         spaced = law == "grid" and isinstance(node.value, dict)
         if self._about.dimension is None and (spaced or law not in WORD_LAWS):
             raise self._wrong("law-not-of-words", node, what=self._what, law=law, laws=" or ".join(WORD_LAWS))

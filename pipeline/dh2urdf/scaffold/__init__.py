@@ -57,7 +57,6 @@ def write_plugin(
 
     Raises:
         ConfigError: the name cannot be given, or its folder is there.
-        OutputError: the files cannot be written.
     """
     place = folder / name
     if problems := list(_problems(name, kind, place, catalog)):

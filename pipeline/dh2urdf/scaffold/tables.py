@@ -72,8 +72,6 @@ def table_template(
 
     Raises:
         ConfigError: a name cannot be one.
-        InputError: the reader only reads.
-        StageError: the reader is at fault.
     """
     comments = Template((TEMPLATES / "table.txt").read_text("utf-8")).substitute(
         count=len(joints), file=file.name, stem=file.stem, convention=_PRODUCTS[convention]

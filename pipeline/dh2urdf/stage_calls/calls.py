@@ -260,7 +260,7 @@ def _name(kind: type[Any]) -> str:
     """Return the name by which a plugin imports a type."""
     if kind.__module__ == "builtins":
         return kind.__name__.replace("NoneType", "None")
-    is_of_stages = kind.__name__ in stages.__all__ and getattr(stages, kind.__name__) is kind
+    is_of_stages = getattr(stages, kind.__name__, None) is kind
     return f"{stages.__name__ if is_of_stages else kind.__module__}.{kind.__name__}"
 
 

@@ -28,11 +28,7 @@ T = TypeVar("T")
 def transform_columns(
     call: Call[Transform[Any]], columns: ManipulatorColumns
 ) -> list[tuple[tuple[int, ...], RobotColumns]]:
-    """The robots of many manipulators, in groups with the places of their members.
-
-    Raises:
-        ManipulatorError: the transform refuses them, or is at fault.
-    """
+    """The robots of many manipulators, in groups with the places of their members."""
     with blaming(call):
         groups = call.stage.can(TransformsInColumns).transform_columns(columns, call.options)  # type: ignore[union-attr] # asked before
         return _groups(groups or (), len(columns), RobotColumns)
@@ -41,11 +37,7 @@ def transform_columns(
 def emit_columns(
     call: Call[Emitter[Any]], robots: RobotColumns, stems: Sequence[str]
 ) -> list[tuple[EmittedFile, ...]] | None:
-    """The files of many robots, none of those that have to be made one by one; None where that are all of them.
-
-    Raises:
-        ManipulatorError: the emitter refuses them, or is at fault.
-    """
+    """The files of many robots, none of those that have to be made one by one; None where that are all of them."""
     with blaming(call):
         emitted = call.stage.can(EmitsInColumns).emit_columns(robots, stems, call.options)  # type: ignore[union-attr] # asked before
         if emitted is None:
@@ -57,11 +49,7 @@ def emit_columns(
 
 
 def read_columns(call: Call[Emitter[Any]], contents: Sequence[bytes]) -> list[tuple[tuple[int, ...], Robot]]:
-    """The robots that many main files describe, in groups with the places of their members.
-
-    Raises:
-        ManipulatorError: the emitter is at fault.
-    """
+    """The robots that many main files describe, in groups with the places of their members."""
     with blaming(call):
         read = call.stage.can(EmitsInColumns).read_columns  # type: ignore[union-attr] # asked before
         return _groups(read(contents), len(contents), Robot)  # type: ignore[misc] # asked before
@@ -80,7 +68,6 @@ def checked_groups(groups: ManipulatorGroups) -> ManipulatorGroups:
     """What a reader gave, compared with the description of `ManipulatorGroups`.
 
     Raises:
-        TypeError: a group holds something else than columns.
         ValueError: places are missing or not in order, or columns are not of the members of their group.
     """
     count = len(groups)

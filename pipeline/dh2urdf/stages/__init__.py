@@ -13,9 +13,9 @@ that is listed in `capabilities`, such as ``capabilities=(ReadsBack(read), Check
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
+from dh2urdf import late_names
 from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
@@ -26,96 +26,25 @@ if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
-    from dh2urdf.stages.foreign_robot import Follower, ForeignRobot
+    from dh2urdf.stages.foreign_robot import Follower as Follower, ForeignRobot as ForeignRobot
     from dh2urdf.stages.inspections import (
-        SEVERITIES,
-        Annotation,
-        Effect,
-        Expansion,
-        Finding,
-        Inspection,
-        Repair,
-        Severity,
+        SEVERITIES as SEVERITIES,
+        Annotation as Annotation,
+        Effect as Effect,
+        Expansion as Expansion,
+        Finding as Finding,
+        Inspection as Inspection,
+        Repair as Repair,
+        Severity as Severity,
     )
-    from dh2urdf.stages.load_records import HeldRobot, LoadReport, LoadRequest, Question, SimulatedArm
+    from dh2urdf.stages.load_records import (
+        HeldRobot as HeldRobot,
+        LoadReport as LoadReport,
+        LoadRequest as LoadRequest,
+        Question as Question,
+        SimulatedArm as SimulatedArm,
+    )
     from dh2urdf.table_text import CellRow, TableText, Trace, WrittenTable
-
-__all__ = [
-    "LOAD_TIME_LIMIT",
-    "PACKAGE_FILE",
-    "SEVERITIES",
-    "Annotates",
-    "Annotation",
-    "Checks",
-    "Compares",
-    "Edit",
-    "EditCapability",
-    "EditsInColumns",
-    "Effect",
-    "EmitsInColumns",
-    "EmittedFile",
-    "Emitter",
-    "EmitterCapability",
-    "Executor",
-    "ExecutorCapability",
-    "Expansion",
-    "Finding",
-    "Follower",
-    "ForeignRobot",
-    "GivesNotices",
-    "HasSchema",
-    "HeldRobot",
-    "Inspection",
-    "Inspects",
-    "KeepsKinematics",
-    "Kind",
-    "LoadReport",
-    "LoadRequest",
-    "Loader",
-    "LoaderCapability",
-    "Lost",
-    "NoOptions",
-    "OtherFiles",
-    "Question",
-    "Reader",
-    "ReaderCapability",
-    "ReadsBack",
-    "ReadsCells",
-    "ReadsDescriptions",
-    "ReadsForeign",
-    "ReadsInColumns",
-    "ReadsOutput",
-    "Rejected",
-    "Repair",
-    "Requires",
-    "Reusable",
-    "Severity",
-    "SimulatedArm",
-    "Stage",
-    "Subcommand",
-    "Traces",
-    "Transform",
-    "TransformCapability",
-    "TransformsInColumns",
-    "Usual",
-    "WritesFolders",
-    "WritesTables",
-]
-
-_ELSEWHERE = {
-    "stages.foreign_robot": "Follower ForeignRobot",
-    "stages.inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
-    "stages.load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",
-}
-"""The names that are imported when they are asked for, by their modules: most commands make no such record."""
-
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever a module names
-    for module, names in _ELSEWHERE.items():
-        if name in names.split():
-            return getattr(import_module(f"dh2urdf.{module}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 C = TypeVar("C")
@@ -703,3 +632,20 @@ class Subcommand:
 
 Kind: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
 Stage: TypeAlias = Reader[Any] | Transform[Any] | Edit[Any] | Emitter[Any] | Loader[Any] | Executor[Any]
+
+if not TYPE_CHECKING:  # Most commands make no such record.
+    __all__, __getattr__, __dir__ = late_names(
+        __name__,
+        {
+            "foreign_robot": "Follower ForeignRobot",
+            "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
+            "load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",
+        },
+    )
+    __all__ += [
+        name
+        for name, value in globals().items()
+        if (getattr(value, "__module__", "") == __name__ and len(name) > 1 and name[0] != "_")
+        or name.endswith("Capability")
+        or name in {"LOAD_TIME_LIMIT", "PACKAGE_FILE", "Kind", "Stage"}
+    ]

@@ -10,7 +10,6 @@ import os
 import pickle
 import re
 import signal
-import subprocess
 import sys
 import tempfile
 import threading
@@ -19,7 +18,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.documents.text_files import is_file
+from dh2urdf.isolation.child_process import Child
+from dh2urdf.isolation.encodings import PICKLED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,68 +51,47 @@ def in_child(function: Callable[..., Any], *args: Any, seed: int = 1) -> Seen:  
         seed: the seed for the hashes of texts. Another seed shows whether the result depends on the order of a set.
 
     Raises:
-        Exception: what the function raised; a RuntimeError where the child ended without an answer.
+        Exception: what the function raised; a CrashError where the child ended without an answer.
     """
-    with tempfile.TemporaryDirectory(prefix="dh2urdf-", ignore_cleanup_errors=True) as folder:
-        work, call, answer = (Path(folder, name) for name in ("work", "call", "answer"))
-        work.mkdir()
-        call.write_bytes(pickle.dumps((function, args)))
-        begin = f"import sys; sys.path[:] = {sys.path!r}; from dh2urdf.testing.child import _main; _main()"
-        done = subprocess.run(  # noqa: S603 - our own interpreter
-            [sys.executable, "-B", "-c", begin, call, answer],
-            cwd=work,
-            env={**os.environ, "PYTHONHASHSEED": str(seed), **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(work))},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            timeout=PATIENCE,
-            check=False,
-        )
-        if not is_file(answer):
-            last = done.stdout.decode(errors="replace")[-1000:]
-            raise RuntimeError(f"the process ended with exit status {done.returncode} and gave no result: {last}")
-        raised, *found = pickle.loads(answer.read_bytes())  # noqa: S301 - our own child wrote it
-    if raised is not None:
-        raise raised
-    return Seen(*found)
+    with tempfile.TemporaryDirectory(prefix="dh2urdf-", ignore_cleanup_errors=True) as work:
+        environment = {"PYTHONHASHSEED": str(seed), **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), work)}
+        with Child("-B", environment=environment) as child:
+            return child.call(_watched, (work, function, args), PATIENCE, "the stage", PICKLED).value
 
 
-def _main() -> None:
+def _watched(work: str, function: Callable[..., Any], args: tuple[Any, ...]) -> Seen:
+    """In the child: make the call."""
     import ctypes
 
     ctypes.CDLL(None).prctl(_SUBREAPER, 1)
+    os.chdir(work)
     deeds: list[str] = []
-    raised, value, watching = None, None, True
+    watching, threads = True, set(threading.enumerate())
 
     def watch(event: str, arguments: tuple[Any, ...]) -> None:
         if watching and (deed := _deed(event, arguments)):
             deeds.append(deed)
 
-    threads = set(threading.enumerate())
-    work, answer = Path.cwd(), Path(sys.argv[2])
+    sys.addaudithook(watch)
+    what = "returns"
     try:
-        function, args = pickle.loads(Path(sys.argv[1]).read_bytes())  # noqa: S301 - our own parent wrote it
-        sys.addaudithook(watch)
-        value = function(*args)
-    except BaseException as error:  # noqa: BLE001 - whatever an author's code raises
+        found = function(*args)
+    except BaseException as error:
         error.add_note("".join(traceback.format_exception(error)))
-        raised = error
-    watching = False
+        what, found = f"raises, {type(error).__name__}: {error},", error
+        raise
+    finally:
+        watching = False
+        try:
+            pickle.loads(pickle.dumps(found))  # noqa: S301 - made in the same line
+        except Exception as error:  # noqa: BLE001 - whatever an author's record or exception raises
+            raise RuntimeError(f"what it {what} cannot be pickled: {type(error).__name__}: {error}") from None
     left = [*descendants().values(), *(f"the thread {each.name}" for each in set(threading.enumerate()) - threads)]
-    left += [f"the file {path.name}" for path in sorted(work.iterdir())]
+    left += [f"the file {path.name}" for path in sorted(Path(work).iterdir())]
     for number in descendants():
         with suppress(ProcessLookupError):
             os.kill(number, signal.SIGKILL)
-    try:
-        sent = pickle.dumps((raised, value, tuple(dict.fromkeys(deeds)), tuple(left)))
-        pickle.loads(sent)  # noqa: S301 - made in the line above
-    except Exception as error:  # noqa: BLE001 - whatever an author's record or exception raises
-        what = "returns" if raised is None else f"raises, {type(raised).__name__}: {raised},"
-        sent = pickle.dumps(
-            (RuntimeError(f"what it {what} cannot be pickled: {type(error).__name__}: {error}"), None, (), ())
-        )
-    answer.write_bytes(sent)
-    os._exit(0)  # Threads that are left do not matter.
+    return Seen(found, tuple(dict.fromkeys(deeds)), tuple(left))
 
 
 def _deed(event: str, arguments: tuple[Any, ...]) -> str | None:

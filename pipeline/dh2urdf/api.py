@@ -195,7 +195,7 @@ def convert(
     with ExitStack() as stack:
         if not isinstance(table, Manipulator):
             table = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
-        planned = plan_conversion(
+        made = plan_conversion(
             table,
             None if target is None else Path(target),
             mark,
@@ -208,8 +208,7 @@ def convert(
             meshes=meshes,
             convert_meshes=convert_meshes,
             edits=map(word_of, several("edits", edits, mark, one=(str, Mapping))),
-        )
-        made = planned.carry_out()
+        )()
     # The notices of a manipulator that is given were given with it.
     warn_of(made.robot.notices if isinstance(table, Manipulator) else made.notices)
     return made

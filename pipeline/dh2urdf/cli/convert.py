@@ -38,8 +38,9 @@ from dh2urdf.stages import WritesFolders
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from functools import partial
 
-    from dh2urdf.commands.convert import Planned
+    from dh2urdf.commands.convert import Conversion
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import ConversionEntry
 
@@ -97,7 +98,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     target = None if output is None or output == DASH else Path(output)
     are_several = len(tables) > 1 or (target is not None and (str(output).endswith("/") or is_folder(target)))
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
-    plans: dict[Path, Planned | InputError] = {}
+    plans: dict[Path, partial[Conversion] | InputError] = {}
     for table, file in files.items():  # Nothing is written before a wrong word is found.
         try:
             path, reader = given_table(table, reader_name, installed)
@@ -128,7 +129,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         try:
             if isinstance(planned, InputError):
                 raise planned
-            row = _carry_out(planned, source, as_json=as_json, quiet=quiet)
+            row = _carry_out(planned, source, files[table], as_json=as_json, quiet=quiet)
         except (InputError, ManipulatorError) as error:  # It cannot be read, or no description of it can be made.
             if not are_several or isinstance(error, OutputError):
                 raise
@@ -147,10 +148,12 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     return int(failed > 0)
 
 
-def _carry_out(planned: Planned, source: str, *, as_json: bool, quiet: bool) -> ConversionEntry | None:
+def _carry_out(
+    planned: partial[Conversion], source: str, file: Path | None, *, as_json: bool, quiet: bool
+) -> ConversionEntry | None:
     """Convert a table, say what became of it, and print the description where it is asked for; its row for --json."""
-    made = planned.carry_out(lambda notices: None if quiet else print_notices(notices))
-    file, in_folders = planned.target, any("/" in name for name in made.files)
+    made = planned(note=lambda notices: None if quiet else print_notices(notices))
+    in_folders = any("/" in name for name in made.files)
     if file is None and not as_json:
         answer(made.written[0].files[0].content, nl=False)
     if not quiet:

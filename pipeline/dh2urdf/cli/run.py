@@ -111,11 +111,8 @@ def command(
 def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
     """Say on standard error how a run goes: a bar on a terminal, a line now and then in a log.
 
-    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators.
-
-    Args:
-        quiet: say only what fails.
-        debug: say where stages failed.
+    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators. If it
+    is `quiet`, only what fails is said; `debug` says where stages failed.
     """
     severities = ("error",) if quiet else ("notice", "error")
     bar = _bar() if sys.stderr.isatty() and not quiet else None
@@ -188,15 +185,7 @@ def _bar() -> Any:  # noqa: ANN401 - rich.progress.Progress, whose import takes 
 
 
 def print_summary(result: Result, report: RunReport, where: str, reports: str, *, dry_run: bool) -> None:
-    """Print what became of each manipulator, with the largest error of every file and simulator, and the counts.
-
-    Args:
-        result: what became of the run.
-        report: its report.
-        where: where its output is.
-        reports: where its report is.
-        dry_run: whether nothing was written.
-    """
+    """Print what became of each manipulator, with the largest error of every file and simulator, and the counts."""
     from rich.console import Console
 
     rows = report["manipulators"]

@@ -23,12 +23,7 @@ def inspect(
 ) -> Inspection:
     """The findings of the emitter of a file's format.
 
-    Args:
-        catalog: the emitters that there are.
-        file: a robot description.
-        format_name: the name of its format; by the suffix of the file where it is None.
-        choice: how a format is named, for messages.
-        expansion: how it is expanded, where it holds macros, and where its packages are.
+    The suffix of the file names the format where nothing else does; `choice` is how it is named, for messages.
 
     Raises:
         ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.

@@ -9,9 +9,9 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file, is_file
 from dh2urdf.errors import ConfigError, InputError, TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, make_options, word_node
+from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
-from dh2urdf.stage_calls.calls import Call
+from dh2urdf.stage_calls.calls import call_of
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Edit, Reader
     from dh2urdf.table_text import Trace
 
@@ -29,12 +30,9 @@ _FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit",
 
 
 def option(mark: Mark, name: str, value: str = "") -> str:
-    """An option with its value, as its user gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
+    """An argument of a function with its value, as its user gives it: ``--robot NAME``, or ``robot=NAME`` in a program.
 
-    Args:
-        mark: the place that problems of the options name: the command line, or the function that was called.
-        name: the argument of the function.
-        value: its value.
+    `mark` is the place that problems of the options name: the command line, or the function that was called.
     """
     if mark != COMMAND_LINE:
         return value if name == "options" else f"{name}={value}"
@@ -160,7 +158,7 @@ def stage_calls(
     Args:
         catalog: where the stages are from.
         stages: the stages by kind. Those of one kind share the settings: each takes the options that it has.
-        mark: the place that problems name: the command line, or the function that was called.
+        mark: the place that problems name.
         given: options by kind; a stage that has no such option is an error.
         settings: options that go to the kind of stage which has them: ``frames=dh``, or ``transform.frames=dh`` where
             several kinds have one of that name.
@@ -202,7 +200,7 @@ def stage_calls(
         foreign = known[kind].keys() - stage.options.__dataclass_fields__.keys()
         own = {name: word for name, word in words[kind].items() if name not in foreign}
         try:
-            calls[kind].append(_call(catalog, kind, stage, own, mark))
+            calls[kind].append(call_of(catalog, stage, own, mark))
         except ConfigError as error:
             problems.extend(error.problems)
     if problems:
@@ -210,23 +208,11 @@ def stage_calls(
     return calls
 
 
-def _call(catalog: Catalog, kind: str, stage: Any, given: Any, mark: Mark) -> Call[Any]:  # noqa: ANN401 - any stage
-    plugin = catalog.plugin_of(stage)
-    options = make_options(stage.options, given, mark=mark, where=f"{kind} {stage.name!r}", plugin=plugin)
-    return Call(stage=stage, options=options, plugin=plugin)
-
-
 def edit_calls(words: Iterable[str], mark: Mark, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
-    """The edits with their options, in the order in which they were asked for.
-
-    Args:
-        words: a word for each, such as ``payload`` or ``payload: {mass: 2.5}``, which is read as YAML.
-        mark: the place that problems name.
-        catalog: where the edits are from.
+    """The edits with their options, a word of YAML for each, such as ``payload`` or ``payload: {mass: 2.5}``.
 
     Raises:
         ConfigError: a word names no edit, or an option is wrong; all of it is reported at once.
-        PluginError: the plugin of an edit is broken.
     """
     calls, problems = [], []
     for word in words:
@@ -251,5 +237,6 @@ def _edit_call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
         code = "edit-unreadable" if broken else "edit-unknown-form"
         setting = option(mark, "edits", shown(word))
         raise ConfigError(say(code, mark, found=word, setting=setting, reason=broken))
-    given: Any = {} if options is None or options.value is None else options
-    return _call(catalog, "edit", catalog.get("edit", name), given, mark)
+    return call_of(
+        catalog, catalog.get("edit", name), {} if options is None or options.value is None else options, mark
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -81,77 +82,6 @@ class Conversion:
         return self.robot._repr_html_()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Planned:
-    """A conversion whose stages and options are all resolved; nothing has been read yet.
-
-    Attributes:
-        table: a table's file, or what was read from one.
-        target: the file to write; a folder where there are several formats. None writes nothing.
-        reader: reads the table; None where it has been read.
-        recipe: what is done with it.
-        mark: the place that problems name: the command line, or the function that was called.
-        robot: which manipulator of a table that holds several.
-        inputs: further files that must not be overwritten.
-        notices: what a careful person would want to know of what was asked for.
-    """
-
-    table: Path | Manipulator
-    target: Path | None
-    reader: Call[Reader[Any]] | None
-    recipe: Recipe
-    mark: Mark
-    robot: str | None = None
-    inputs: tuple[Path, ...] = ()
-    notices: tuple[Problem, ...] = ()
-
-    def carry_out(self, note: Callable[[Sequence[Problem]], None] = lambda _: None) -> Conversion:
-        """Read the table, make the robot, write and prove the files.
-
-        Args:
-            note: takes the notices before anything is written.
-
-        Raises:
-            TableError: the table cannot be read, or no robot can be made of it.
-            ConfigError: the table is a run file.
-            ManipulatorError: no file could be made, or it is not the arm of the table.
-            OutputError: the files cannot be written, or one of them is an input.
-            PluginError: a plugin that is needed is broken, or something it needs is not installed.
-        """
-        recipe, trace = self.recipe, Trace()
-        if isinstance(self.table, Manipulator):
-            manipulator = self.table
-            files = [Path(manipulator.mark.file)] if manipulator.mark else []
-        elif self.reader is None:
-            raise TypeError(self.table)
-        else:  # What the cells of a large table say would take long.
-            wanted = trace if self.table.stat().st_size <= TRACED_BYTES else None
-            manipulator = read_manipulator(self.reader, self.table, self.robot, self.mark, wanted)
-            files = [self.table, *self.reader.files]
-        try:
-            robot, expected = make_item(manipulator, recipe.transform, recipe.edits)
-            made = with_notices(robot, recipe.emitters)
-        except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
-            raise TableError(error.problems, manipulator.notices) from error
-        notices = made.notices
-        if recipe.mesh_conversion is not MeshConversion.NEVER:
-            from dh2urdf.meshes.conversion import unsettled
-
-            notices = unsettled(notices)
-        made = replace(made, notices=(*notices, *self.notices))
-        note((*manipulator.notices, *made.notices))
-        used = (path for call in recipe.calls for path in call.files)
-        return Conversion(
-            manipulator=manipulator,
-            robot=made,
-            written=_write(expected, made, recipe, self.target, (*files, *used, *self.inputs)),
-            keeps_kinematics=recipe.keeps_kinematics,
-            untyped=tuple(
-                row.joint for row, cells in zip(manipulator.rows, trace.rows, strict=False) if "type" not in cells
-            ),
-        )
-
-
 def plan_conversion(
     table: Path | Manipulator,
     target: Path | None,
@@ -168,8 +98,8 @@ def plan_conversion(
     convert_meshes: str | None = None,
     edits: Iterable[str] = (),
     inputs: Iterable[Path] = (),
-) -> Planned:
-    """Resolve the stages and options of a conversion.
+) -> partial[Conversion]:
+    """Resolve the stages and options of a conversion; what is returned carries it out.
 
     The arguments are those of `dh2urdf.convert`, but for these: `mark` is the place that problems name (the command
     line, or the function that was called); `given` and `settings` are options as words, the first by kind of stage;
@@ -207,15 +137,50 @@ def plan_conversion(
         mesh_prefix=prefix,
         mesh_conversion=conversion,
     )
-    return Planned(
-        table=table,
-        target=target,
-        reader=next(iter(calls["reader"]), None),
-        recipe=recipe,
-        mark=mark,
-        robot=robot,
-        inputs=tuple(inputs),
-        notices=tuple(notices),
+    reading = next(iter(calls["reader"]), None)
+    return partial(carry_out, table, target, reading, recipe, mark, robot, tuple(inputs), notices)
+
+
+def carry_out(  # noqa: PLR0917 - what `plan_conversion` has found out
+    table: Path | Manipulator,
+    target: Path | None,
+    reader: Call[Reader[Any]] | None,
+    recipe: Recipe,
+    mark: Mark,
+    robot: str | None = None,
+    inputs: Sequence[Path] = (),
+    asked: Sequence[Problem] = (),
+    note: Callable[[Sequence[Problem]], None] = lambda _: None,
+) -> Conversion:
+    """Read the table, make the robot, write and prove the files; `note` takes the notices before that."""
+    trace = Trace()
+    if isinstance(table, Manipulator):
+        manipulator, files = table, [Path(table.mark.file)] if table.mark else []
+    elif reader is None:
+        raise TypeError(table)
+    else:  # What the cells of a large table say would take long.
+        wanted = trace if table.stat().st_size <= TRACED_BYTES else None
+        manipulator, files = read_manipulator(reader, table, robot, mark, wanted), [table, *reader.files]
+    try:
+        made, expected = make_item(manipulator, recipe.transform, recipe.edits)
+        made = with_notices(made, recipe.emitters)
+    except (EditError, TransformError, RobotError) as error:  # All there is to do is this table, and it is wrong.
+        raise TableError(error.problems, manipulator.notices) from error
+    notices = made.notices
+    if recipe.mesh_conversion is not MeshConversion.NEVER:
+        from dh2urdf.meshes.conversion import unsettled
+
+        notices = unsettled(notices)
+    made = replace(made, notices=(*notices, *asked))
+    note((*manipulator.notices, *made.notices))
+    used = (path for call in recipe.calls for path in call.files)
+    untyped = [row.joint for row, cells in zip(manipulator.rows, trace.rows, strict=False) if "type" not in cells]
+    return Conversion(
+        manipulator=manipulator,
+        robot=made,
+        written=_write(expected, made, recipe, target, (*files, *used, *inputs)),
+        keeps_kinematics=recipe.keeps_kinematics,
+        untyped=tuple(untyped),
     )
 
 

@@ -70,12 +70,7 @@ def leaves_of(call: Call[Reader[Any]], path: Path) -> Mapping[str, int]:
 
 
 class Chains(NamedTuple):
-    """What a description's chains came to.
-
-    Attributes:
-        arms: the manipulators of the chains that have a table, one at least.
-        refused: the chains that have none, each with the problems that say why.
-    """
+    """The manipulators of a description's chains, one at least, and the chains that have no table, with the reasons."""
 
     arms: list[Manipulator]
     refused: list[Rejected]
@@ -120,16 +115,8 @@ def write_extracted(
 ) -> tuple[Problem, ...]:
     """Write the tables of descriptions, with what is known of them in comments above, once they read back as the same.
 
-    Args:
-        arms: what was extracted.
-        out: the file to write; its suffix chooses the format.
-        catalog: the stages that there are.
-        inputs: files that must not be overwritten.
-        length_unit: the unit of lengths.
-        angle_unit: the unit of angles.
-
-    Returns:
-        What the format has no place for, and names that are others there, as notices.
+    The suffix of `out` chooses the format; none of the inputs is overwritten. What the format has no place for, and
+    names that are others there, are returned as notices.
     """
     call = default_call(catalog, table_writer(catalog, out, Mark(file=str(out))))
     renamed: list[Problem] = []

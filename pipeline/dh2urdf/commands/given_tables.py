@@ -58,12 +58,7 @@ _TABLE = (
 def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choice: str) -> Iterator[Path]:
     """A file that holds what was given, as long as the context is open.
 
-    Args:
-        source: a file, a text of several lines, bytes, or a stream.
-        kind: ``reader`` or ``emitter``: what knows the format.
-        name: the name of the format, where it is given.
-        catalog: the stages that there are.
-        choice: how the format is named, for messages: ``reader=NAME``.
+    A reader or an emitter (`kind`) of the name knows the format; `choice` is how it is named, for messages.
 
     Raises:
         ConfigError: the format of a text or a stream is not said.

@@ -62,23 +62,16 @@ _FAULT = re.compile(r"^(?:Fatal Python error: |Timeout \().*", re.MULTILINE)  # 
 
 @dataclass(frozen=True, slots=True)
 class ChildResult(Generic[T]):
-    """What came of a call in a child process.
-
-    Attributes:
-        value: what the function returned.
-        output: what the child printed on standard output and standard error, from C too, in the order of printing.
-    """
+    """What a function in a child returned, and what was printed meanwhile, from C too, in the order of printing."""
 
     value: T
     output: str
 
 
 class ChildFailure(Exception):  # noqa: N818 - never raised: it is the cause of what is
-    """The cause of an exception of `run_in_child`: what is known from the child.
+    """The cause of an exception of `run_in_child`: what the child printed, and its traceback as text.
 
-    Attributes:
-        output: what the child printed.
-        traceback: the traceback in the child as text; empty where the function raised nothing.
+    The traceback is empty where the function raised nothing.
     """
 
     def __init__(self, output: str, traceback: str = "") -> None:
@@ -215,19 +208,16 @@ class Child:
         in_fork: bool = False,
         spent: float = 0.0,
     ) -> ChildResult[T]:
-        """Call a function in the child, which is ended if it gives no answer; see `run_in_child`.
+        """Call a function in the child, which is ended if it gives no answer; errors are those of `run_in_child`.
 
         Args:
             function: the function.
             args: its arguments.
-            timeout: how long it may take [s].
+            timeout: how long it may take [s], of which some is `spent` already.
             who: what messages call the function.
             encoding: how the child answers.
             in_fork: whether the child makes the call in a fork of itself, so that no other call meets what it leaves.
-            spent: how much of `timeout` is spent already [s].
-
-        Raises:
-            Exception: as `run_in_child`.
+            spent: a part of the timeout [s].
         """
         left = None if timeout is None else max(0.0, timeout - spent)
         answer = self.ask(pickled_call(function, args, who), left, encoding, in_fork=in_fork)
@@ -387,16 +377,10 @@ def pickled_call(function: Callable[..., Any], args: tuple[Any, ...], who: str) 
 
 
 def result_of(answer: Answer, encoding: Data[Any] | Pickled[Any], output: str = "") -> Any:  # noqa: ANN401 - what the function returned
-    """Return what a call in a child returned.
-
-    Args:
-        answer: the answer of a call that returned or raised something.
-        encoding: how it sent that.
-        output: what the child printed.
+    """Return what a call in a child returned, or raise what it raised, as `run_in_child` does.
 
     Raises:
         AnswerError: it sent something else.
-        Exception: whatever the function raised, as `run_in_child` raises it.
     """
     if answer.word == "value":
         return encoding.unpack(answer.body)
@@ -404,11 +388,7 @@ def result_of(answer: Answer, encoding: Data[Any] | Pickled[Any], output: str = 
 
 
 class Output:
-    """The beginning and the end of what was printed, of any length.
-
-    Attributes:
-        size: how much was printed [B].
-    """
+    """The beginning and the end of what was printed, of any length, and the size of all of it [B]."""
 
     def __init__(self) -> None:
         self.size, self._kept = 0, bytearray()
@@ -430,10 +410,6 @@ def last_words(printed: str, most: int = 200) -> str:
     """Return the end of what a child printed, in one line, as a message quotes it; empty where it printed nothing.
 
     Of what faulthandler prints about a crash, that is the reason and the stack of the thread that failed.
-
-    Args:
-        printed: what it printed.
-        most: how many characters are quoted.
     """
     printed = printed.replace(MARK, "")
     *_, fault = None, *_FAULT.finditer(printed)

@@ -58,7 +58,6 @@ def load_in_child(
     Raises:
         CrashError: as `dh2urdf.isolation.child_process.run_in_child`.
         LoaderError: whatever the loader refuses; the findings in the output follow it.
-        MissingDependencyError: the simulator is not installed.
     """
     # The folder of a file in the making has another name in every run.
     folder = f"{request.path.parent}{os.sep}"
@@ -95,11 +94,7 @@ def load_in_child(
 
 
 def _report(load: Callable[[LoadRequest, Any], LoadReport], request: LoadRequest, options: Any) -> LoadReport:  # noqa: ANN401 - of any loader
-    """In the child: return what a loader gives.
-
-    Raises:
-        TypeError: it is no `LoadReport`.
-    """
+    """In the child: return what a loader gives, which is a `LoadReport`, or it is at fault."""
     return a_record(load(request, options), LoadReport)
 
 
@@ -152,18 +147,9 @@ class KeptChildren:
         timeout: float,
         who: str,
     ) -> ChildResult[LoadReport]:
-        """Return what a loader returns, and what was printed meanwhile.
+        """Return what a loader returns, and what was printed meanwhile; errors are those of `run_in_child`.
 
-        Args:
-            prepare: what imports its simulator: `dh2urdf.stages.Reusable`.
-            load: what loads.
-            request: what it is asked to load.
-            options: its options.
-            timeout: how long it may take [s], the import included.
-            who: what messages call it.
-
-        Raises:
-            Exception: as `dh2urdf.isolation.child_process.run_in_child`.
+        `prepare` imports its simulator (`dh2urdf.stages.Reusable`), for which a part of the timeout [s] may be needed.
         """
         key = pickled_call(prepare, (load, options), who)
         child, begun = self._taken(key), time.monotonic()

@@ -54,13 +54,10 @@ def collected_at_the_end() -> Iterator[None]:
 
 @contextmanager
 def watched(home: str, seconds: float | None) -> Iterator[None]:
-    """End this process where its work takes too long: nothing else ends a plugin that hangs outside of Python.
+    """End this process where its work takes too long [s]: nothing else ends a plugin that hangs outside of Python.
 
-    The executor tells the run that the batch is lost, and the run then finds out which manipulator it was.
-
-    Args:
-        home: the process of the run itself, which is not ended.
-        seconds: what may be taken [s]; None for any time.
+    The executor tells the run that the batch is lost, and the run then finds out which manipulator it was. The process
+    of the run itself (`home`) is not ended.
     """
     if home == this_process() or seconds is None:
         yield

@@ -344,10 +344,5 @@ def load(without: Sequence[str] = ()) -> Catalog:
 
 
 def load_plugin(name: str, distribution: str) -> Catalog:
-    """Return the catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen.
-
-    Args:
-        name: its entry point.
-        distribution: the name of its distribution.
-    """
+    """Return the catalog of one installed plugin alone: what a worker needs of all plugins, as the run has chosen."""
     return Catalog(plugin for plugin in installed().plugins if plugin.name == name and plugin.is_of(distribution))

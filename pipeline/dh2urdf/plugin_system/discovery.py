@@ -83,13 +83,7 @@ class Plugin:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Installed:
-    """The plugins that are installed.
-
-    Attributes:
-        plugins: those that can be used.
-        incompatible: those that are made for another version of the interface, and why that does not do.
-        left_out: those that the user leaves out.
-    """
+    """The plugins that can be used, those for other versions of the interface, and those that the user leaves out."""
 
     plugins: tuple[Plugin, ...]
     incompatible: tuple[IncompatiblePluginError, ...] = ()

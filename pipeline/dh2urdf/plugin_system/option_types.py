@@ -119,9 +119,7 @@ def takes_text(hint: Any, value: object) -> bool:  # noqa: ANN401 - any type
 def type_text(hint: Any, *, measures: bool = False) -> str:  # noqa: ANN401 - any type
     """What a type takes, in words: ``exact or paper``, ``auto or a whole number``, ``a list of 3, each a number``.
 
-    Args:
-        hint: the type.
-        measures: whether its numbers may have a unit.
+    `measures` is whether its numbers may have a unit.
     """
     if measures:
         return type_text(hint).replace("a number", "a number with or without a unit")

@@ -151,16 +151,10 @@ def is_run_file(path: Path) -> bool:
 def load_config(
     path: Path, overrides: Sequence[str] = (), root: Node | None = None, asked: Asked = ON_THE_COMMAND_LINE
 ) -> RunConfig:
-    """A run file with changes from the command line.
+    """A run file with changes from the command line, as ``--set`` takes them: ``transform.options.frames=dh``.
 
-    Args:
-        path: the run file.
-        overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
-        root: what the run file says, where it is not in the file.
-        asked: where the changes are given.
-
-    Returns:
-        The run file; `RunConfig.problems` says what is wrong with its structure.
+    `root` is what the run file says, where it is not in the file, and `asked` where the changes are given.
+    `RunConfig.problems` says what is wrong with its structure.
 
     Raises:
         ConfigError: the file cannot be read, is not a YAML mapping, or has nothing of a run file.

@@ -28,13 +28,7 @@ say = Messages(__file__)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shapes:
-    """The meshes of one link.
-
-    Attributes:
-        visual: what it is seen as; None leaves that to the table.
-        collision: what it touches with.
-        mark: where its joint is named.
-    """
+    """The meshes of one link: what it is seen as, where that is not left to the table, and what it touches with."""
 
     visual: MeshShape | None = None
     collision: MeshShape | None = None
@@ -43,13 +37,9 @@ class Shapes:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshCall:
-    """The meshes of some manipulators, as a run file asks for them.
+    """The meshes of some manipulators, as a run file asks for them: of the base, and of the link that each joint moves.
 
-    Attributes:
-        of: name of the manipulators; `*` stands for any text in it.
-        base: of the base.
-        joints: of the link that each joint moves, by the joint's name.
-        mark: where the manipulators are named.
+    `of` names the manipulators; `*` stands for any text in it.
     """
 
     of: str

@@ -34,14 +34,7 @@ ON_THE_COMMAND_LINE = Asked()
 def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked = ON_THE_COMMAND_LINE) -> Node:
     """A run file with a setting put in its place; the file's own nodes stay as they are.
 
-    Args:
-        root: the run file.
-        setting: KEY=VALUE, where KEY is a path of names and of indices from 0.
-        sections: the sections that a run file has.
-        asked: where the setting is given.
-
-    Raises:
-        ConfigError: the setting leads nowhere.
+    A setting is KEY=VALUE, where KEY is a path of names and of indices from 0, which begins with one of the sections.
     """
 
     def error(code: str, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message

@@ -15,10 +15,9 @@ from dh2urdf.conversion.simulators import missing_of, require
 from dh2urdf.errors import ConfigError, InputError, PluginError
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
-from dh2urdf.plugin_system.options import make_options
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.source import Messages, Problem, in_file_order
-from dh2urdf.stage_calls.calls import Call
+from dh2urdf.stage_calls.calls import Call, call_of
 from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall
@@ -182,13 +181,8 @@ class _Stages:
         """The stage of a kind, of a name where one is given, with its options; None where something is wrong."""
         name = name or asked.stage
         with self._at(asked.mark):
-            stage = self._catalog.get(kind, name) if name else self._catalog.usual(kind)
-            plugin = self._catalog.plugin_of(stage)
-            where, folder = f"{kind} {stage.name!r}", self._folder
-            options = make_options(
-                stage.options, asked.options, mark=asked.mark, where=where, plugin=plugin, folder=folder
-            )
-            return Call(stage=stage, options=options, plugin=plugin)
+            stage: Any = self._catalog.get(kind, name) if name else self._catalog.usual(kind)
+            return call_of(self._catalog, stage, asked.options, asked.mark, self._folder)
         return None
 
     def calls(self, kind: Any, asked: Sequence[StageCall]) -> list[Call[Any] | None]:  # noqa: ANN401 - a kind of stage

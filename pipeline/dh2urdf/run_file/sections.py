@@ -342,11 +342,8 @@ SECTIONS = keys_of(RunFile)
 def written_out(root: Node, *, deep: bool = False) -> Node:
     """A run file with lists and mappings written out: `emitters: urdf` is `emitters: [{stage: urdf}]`.
 
-    Sections that are absent or empty get their defaults, so that `--set` finds them.
-
-    Args:
-        root: the run file.
-        deep: whether lists in sections are written out too; `--set` finds them as they are written.
+    Sections that are absent or empty get their defaults, so that `--set` finds them; lists in sections are written out
+    too where it is `deep`.
     """
     given = {key: node for key, node in expect_mapping(root, "a run file").items() if node.value is not None}
     for name, section in SECTIONS.items():

@@ -43,7 +43,7 @@ _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 def write_plugin(
     name: str, kind: Kind, folder: Path, catalog: Catalog, *, minimal: bool = False
 ) -> tuple[Path, list[str]]:
-    """Write a distribution with one stage: all of its files, or nothing.
+    """Write a distribution with one stage, all of its files or nothing: its folder, and the names of the files in it.
 
     Args:
         name: name of the folder, of the distribution and, without ``dh2urdf-``, of the stage.
@@ -51,9 +51,6 @@ def write_plugin(
         folder: where the distribution's own folder is made.
         catalog: the stages that are installed, none of which is to have the name.
         minimal: whether it is the smallest one: a module, its contract test, and what installs it.
-
-    Returns:
-        The distribution's folder, and the names of its files in it.
 
     Raises:
         ConfigError: the name cannot be given, or its folder is there.

@@ -63,12 +63,7 @@ def table_template(
 ) -> bytes:
     """A table of an arm that stands upright, with comments; in either convention it is the same arm.
 
-    Args:
-        call: the reader that writes it and reads it back.
-        convention: the convention of its rows.
-        joints: the names of its joints.
-        name: the manipulator's name; empty leaves it to the file's.
-        file: where it will be.
+    The reader `call` writes it and reads it back. Without a name, the manipulator is named by the file.
 
     Raises:
         ConfigError: a name cannot be one.
@@ -104,12 +99,7 @@ def table_template(
 
 
 def run_template(table: Path, run: Path) -> bytes:
-    """A run file for a table, with comments.
-
-    Args:
-        table: the table.
-        run: where the run file will be; the table is named by its path from there.
-    """
+    """A run file for a table, with comments; the table is named by its path from the place of the run file."""
     path = os.path.relpath(table, run.parent).replace(os.sep, "/")
     text = Template((TEMPLATES / "run.yaml").read_text("utf-8"))
     return encoded(text.substitute(run=run.name, table=yaml_word(path)))

@@ -35,11 +35,14 @@ from dh2urdf.errors import (
 from dh2urdf.plugin_system.attribution import Attribution
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
+from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import listed, shown
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Executor, Kind, Loader, Reader, Transform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from dh2urdf.source import Mark
 
 S = TypeVar("S", Reader[Any], Transform[Any], Edit[Any], Emitter[Any], Loader[Any], Executor[Any])
 T = TypeVar("T")
@@ -49,15 +52,10 @@ _OWN = "raised by dh2urdf itself, not by a stage"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Call(Generic[S]):
-    """A stage with the options that this run gives it.
+    """A stage with the options that this run gives it, and the plugin that provides it, where a catalog knows one.
 
     To another process it goes by name: a worker has the same plugins installed, and no stage need be picklable. It
     finds the stage in the same plugin, and imports no other.
-
-    Attributes:
-        stage: the stage.
-        options: an instance of its options type.
-        plugin: who provides it; None where it was not found in a catalog.
     """
 
     stage: S
@@ -97,6 +95,13 @@ def default_call(catalog: Catalog, stage: S) -> Call[S]:
     return Call(stage=stage, options=stage.options(), plugin=catalog.plugin_of(stage))
 
 
+def call_of(catalog: Catalog, stage: S, given: Any, mark: Mark | None = None, folder: Path | None = None) -> Call[S]:  # noqa: ANN401
+    """Return a stage of a catalog with the options that a user gives it; see `make_options`."""
+    call = Call(stage=stage, options=None, plugin=catalog.plugin_of(stage))
+    options = make_options(stage.options, given, mark=mark, where=str(call), plugin=call.plugin, folder=folder)
+    return replace(call, options=options)
+
+
 def _installed_call(whose: tuple[str, str] | None, kind: Kind, name: str, options: bytes) -> Call[Any]:
     import pickle
 
@@ -119,9 +124,7 @@ def _catalog(whose: tuple[str, str] | None) -> Catalog:
 def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
     """Turn whatever a stage raises about one manipulator, unless it is an error of dh2urdf, into one that names it.
 
-    Args:
-        call: the stage.
-        what: what is asked of it, where that is not its work itself, such as ``notices``.
+    `what` is asked of the stage, where that is not its work itself, such as ``notices``.
 
     Raises:
         StageError: the stage raised something else.
@@ -179,9 +182,7 @@ def fault(call: Call[Any], error: BaseException, what: str = "") -> StageError:
 def depending_on(call: Call[Any], what: str = "") -> Iterator[None]:
     """Turn whatever a stage raises that a whole run needs, unless it is an error of dh2urdf, into one that names it.
 
-    Args:
-        call: the stage.
-        what: what is asked of it, where that is not its work itself, such as ``require``.
+    `what` is asked of the stage, where that is not its work itself, such as ``require``.
 
     Raises:
         BrokenPluginError: the stage raised something else.
@@ -222,13 +223,9 @@ def own_work() -> Iterator[None]:
 def reading(path: Path, place: str = "") -> Iterator[None]:
     """Turn what the operating system declares about a file into an error of the file: the stage that reads it is sound.
 
-    Args:
-        path: the file.
-        place: where it will be in the end, where dh2urdf has written it.
-
     Raises:
         TableError: a table cannot be read.
-        OutputError: a file at such a place cannot be read.
+        OutputError: a file that dh2urdf has written for `place` cannot be read.
     """
     try:
         yield
@@ -286,12 +283,7 @@ def several_records(value: Iterable[T] | None, kind: type[T]) -> list[T]:
 
 
 def emitted_files(value: Iterable[EmittedFile] | None, stem: str, *, in_folders: bool = False) -> list[EmittedFile]:
-    """Return the files that an emitter gave.
-
-    Args:
-        value: what it gave.
-        stem: what names of files begin with.
-        in_folders: whether the files lie in folders of their own.
+    """Return the files that an emitter gave for a stem; `in_folders` is whether they lie in folders of their own.
 
     Raises:
         TypeError: one of them is no file, its name is no text, or its content is not bytes.

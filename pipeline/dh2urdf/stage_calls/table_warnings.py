@@ -15,13 +15,9 @@ if TYPE_CHECKING:
 
 
 def warn_of(notices: Iterable[Problem], depth: int = 1) -> None:
-    """Give notices as warnings, each once, at the line that called a public function.
+    """Give notices as warnings, each once, at the line that called a public function, `depth` functions above.
 
     Not while a stage is at work, such as a reader that calls `from_dh`: the caller of the stage reports its notices.
-
-    Args:
-        notices: the notices.
-        depth: how many functions are between that line and this one.
     """
     if current() is None:
         for text in dict.fromkeys(map(str, notices)):

@@ -16,10 +16,7 @@ _SHOWN = 200
 def difference(first: Any, second: Any, *, whole: bool = True) -> str | None:  # noqa: ANN401 - any values
     """Where two values differ first, and by what; None where they are the same.
 
-    Args:
-        first: one value.
-        second: the other.
-        whole: whether fields count that `==` leaves out, such as marks, notices and formulas.
+    `whole` is whether fields count that `==` leaves out, such as marks, notices and formulas.
     """
     both = leaves(first, whole=whole), leaves(second, whole=whole)
     for one, other in zip_longest(*both, fillvalue=("it", "nothing")):

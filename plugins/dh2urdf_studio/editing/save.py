@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.commands.convert import POSES, Planned, as_named, in_one_file
+from dh2urdf.commands.convert import POSES, as_named, carry_out, in_one_file
 from dh2urdf.commands.written import in_format
 from dh2urdf.conversion.one_manipulator import Recipe
 from dh2urdf.errors import EmitterError
@@ -197,7 +197,7 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
         path = Path(folder) / file.name
         path.write_bytes(file.content)
         mark = Mark(file="dh2urdf studio")
-        made = Planned(table=path, target=None, reader=reader, recipe=recipe, mark=mark).carry_out()
+        made = carry_out(path, None, reader, recipe, mark)
     return [
         Saved(file.name, file.content, emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written

@@ -447,7 +447,7 @@ def test_the_guide_has_the_budgets() -> None:
 
 
 STAGES_NAMED = {
-    ("pipeline/dh2urdf/commands/screw_axes.py", "screws"): "what `from_screws` is the function of",
+    ("pipeline/dh2urdf/commands/given_tables.py", "screws"): "what `from_screws` is the function of",
     ("pipeline/dh2urdf/stages/__init__.py", "urdf"): "what a loader takes whose record does not mention it",
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
 }

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
         run as run,
     )
     from dh2urdf.commands.convert import Conversion as Conversion
-    from dh2urdf.commands.screw_axes import from_screws as from_screws
+    from dh2urdf.commands.given_tables import from_screws as from_screws
     from dh2urdf.commands.toolbox_robots import from_roboticstoolbox as from_roboticstoolbox
     from dh2urdf.errors import Dh2UrdfError as Dh2UrdfError, TableWarning as TableWarning
     from dh2urdf.kinematics.inverse import (
@@ -78,7 +78,7 @@ else:
         {
             "api": "check convert extract read read_all run",
             "commands.convert": "Conversion",
-            "commands.screw_axes": "from_screws",
+            "commands.given_tables": "from_screws",
             "commands.toolbox_robots": "from_roboticstoolbox",
             "errors": "Dh2UrdfError TableWarning",
             "kinematics.inverse": "InverseSolution inverse_kinematics",

@@ -23,7 +23,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages
-from dh2urdf.stage_calls.table_warnings import warn_of
+from dh2urdf.stage_calls.calls import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -307,7 +307,7 @@ def run(
         ExecutorError: nobody does the work.
         PluginError: the run needs a plugin that is broken, or something it needs is not installed.
     """
-    from dh2urdf.run_file.overrides import Asked
+    from dh2urdf.run_file.reading import Asked
     from dh2urdf.running.run import execute, load_plan
 
     mark, root = _mark("run"), None

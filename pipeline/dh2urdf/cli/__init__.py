@@ -48,6 +48,7 @@ COMMANDS = {
 """The commands of dh2urdf itself; plugins add others."""
 _TOGETHER = {
     **dict.fromkeys(("plugins", "schema"), "listings"),
+    **dict.fromkeys(("extract", "collisions"), "descriptions"),
     **dict.fromkeys(("init", "example", "new-plugin"), "beginnings"),
 }
 """The modules of several commands."""

@@ -16,8 +16,15 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.scaffold import write_plugin
-from dh2urdf.scaffold.tables import MOST_AXES, run_template, shipped_table, shipped_tables, table_template, write_new
+from dh2urdf.scaffold import (
+    MOST_AXES,
+    run_template,
+    shipped_table,
+    shipped_tables,
+    table_template,
+    write_new,
+    write_plugin,
+)
 from dh2urdf.source import Messages
 from dh2urdf.stage_calls.calls import default_call
 

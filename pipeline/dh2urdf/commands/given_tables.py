@@ -1,8 +1,10 @@
-"""Tables as programs have them: files, texts, streams, arrays, data frames and lists.
+"""Tables as programs have them: files, texts, streams, arrays, data frames, lists and screw axes.
 
 A text or a stream becomes a file for its reader, under a name that messages say. An array, a data frame or a list
 becomes the rows of cells that every table consists of, so that the one grammar of tables says what it means.
 """
+
+# ruff: noqa: N803 - Slist, M, H, P and R are the names of the books and of other libraries
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.commands.arguments import check_arguments, path_or_none, several, words_of
+from dh2urdf.commands.arguments import check_arguments, path_or_none, several, word_of, words_of
 from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reader_call, stage_calls
 from dh2urdf.conversion.one_manipulator import checked_items
 from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, TableError
@@ -24,8 +26,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM, spooled
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf.stage_calls.calls import blaming, items_of
-from dh2urdf.stage_calls.table_warnings import warn_of
+from dh2urdf.stage_calls.calls import blaming, items_of, warn_of
 from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
 
@@ -44,11 +45,6 @@ Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
 
 TEXT = "the text"
 """What messages call a table that is in no file."""
-_FILE = "a path, a text of several lines, bytes, or a stream"
-_TABLE = (
-    "an array of shape (rows, columns), a DataFrame, a list of rows, a list of mappings, a mapping of columns, or a "
-    "text of several lines"
-)
 
 
 # --- Files, texts and streams -----------------------------------------------------------------------------------------
@@ -290,3 +286,60 @@ def _cell(value: Any, mark: Mark) -> str | float | Problem | None:  # noqa: ANN4
 
 def _wrong(place: Mark, code: str, **values: Any) -> RecordValueError:  # noqa: ANN401 - of a message
     return RecordValueError(say(code, place, **values))
+
+
+# --- Screw axes -------------------------------------------------------------------------------------------------------
+
+
+_FUNCTION = "dh2urdf.from_screws()"
+_READER = "screws"
+
+
+def from_screws(
+    Slist: object = None,
+    M: object = None,
+    *,
+    Blist: object = None,
+    H: object = None,
+    P: object = None,
+    R: object = None,
+    joints: Sequence[str | Mapping[str, object]] | None = None,
+    name: str = "robot",
+    **options: object,
+) -> Manipulator:
+    """The table of an arm of screw axes.
+
+    ::
+
+        arm = dh2urdf.from_screws(Slist, M)
+        arm = dh2urdf.from_screws(H=H, P=P, joints=["pan", {"name": "rail", "type": "prismatic"}])
+
+    Arrays and nested lists mean what they mean in a file for the reader ``screws``, in m and rad.
+
+    Args:
+        Slist: a 6xN matrix, a column ω, v for each joint, in the frame of the base; or Blist.
+        M: the 4x4 pose of the tool at q = 0.
+        Blist: a 6xN matrix, a column ω, v for each joint, in the frame of the tool.
+        H: a 3xN matrix, the axes at q = 0; with P, in place of Slist and M.
+        P: a 3x(N+1) matrix, from the base to a point on the first axis, on to the next ones, and to the tool.
+        R: the 3x3 rotation of the tool at q = 0; none without it.
+        joints: the name of each joint, or a mapping with ``name``, ``link``, ``type``, ``limits``, ``damping``,
+            ``friction`` and ``armature``. With H, a joint slides where its type is ``prismatic``.
+        name: the name of the manipulator.
+        options: options of the reader: ``convention``, ``tolerance``, ``near_parallel``, ``origins``.
+
+    Returns:
+        The manipulator. Its notices say how far the table is from the axes.
+
+    Raises:
+        TableError: the axes are none of an arm; the column is named.
+        ConfigError: an option is unknown or its value wrong.
+    """
+    from dh2urdf.commands.extract import description_reader, the_one
+
+    given = {"name": name, "Slist": Slist, "M": M, "Blist": Blist, "H": H, "P": P, "R": R, "joints": joints}
+    text = word_of({key: value for key, value in given.items() if value is not None})
+    mark, catalog = Mark(file=_FUNCTION), load()
+    with as_file(text.encode(), "reader", _READER, catalog, "reader=NAME") as path:
+        words = {key: word_of(value) for key, value in options.items()}
+        return the_one(description_reader(catalog, path, mark, reader=_READER, given=words), path)

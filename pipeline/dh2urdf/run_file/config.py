@@ -25,8 +25,7 @@ from dh2urdf.plugin_system.validator import unknown_key
 from dh2urdf.run_file import sections as keys
 from dh2urdf.run_file.cell_section import read_cells
 from dh2urdf.run_file.mesh_section import MeshCall, read_meshes
-from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked, with_setting
-from dh2urdf.run_file.reading import Reading
+from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked, Reading, with_setting
 from dh2urdf.run_file.sections import (
     DEFAULT_SAMPLE,
     DEFAULT_TIME_LIMIT,

@@ -1,4 +1,4 @@
-"""Reads a run file section by section, and gathers all that is wrong instead of stopping at the first."""
+"""Reads a run file section by section and gathers all that is wrong; changes it by ``--set KEY=VALUE``."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from dh2urdf.documents.document import Node
 from dh2urdf.documents.text_files import check_file, is_folder, is_there, tidy_path
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.file_patterns import matching
+from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
 from dh2urdf.plugin_system.validator import record_of
-from dh2urdf.source import Messages, Problem
+from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.documents.document import Node
+    from dh2urdf.source import Mark
 
 say = Messages(__file__)
 
@@ -128,3 +130,59 @@ class Reading:
                     advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
                 self.note("input-unreadable", node, field, file=file, reason=why.message, suggestion=advice)
         return FoundFiles(tuple(files), tuple(notices), pattern)
+
+
+# --- Settings ---------------------------------------------------------------------------------------------------------
+
+
+MAX_KEYS = 16
+"""Names in the key of a setting."""
+
+
+class Asked(NamedTuple):
+    """Where settings are given, for messages: the place, and what stands before a setting there."""
+
+    mark: Mark = COMMAND_LINE
+    before: str = "--set "
+
+
+ON_THE_COMMAND_LINE = Asked()
+
+
+def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked = ON_THE_COMMAND_LINE) -> Node:
+    """A run file with a setting put in its place; the file's own nodes stay as they are.
+
+    A setting is KEY=VALUE, where KEY is a path of names and of indices from 0, which begins with one of the sections.
+    """
+
+    def error(code: str, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
+        return ConfigError(say(code, asked.mark, found=setting, setting=f"{asked.before}{shown(setting)}", **values))
+
+    def put(node: Node, keys: Sequence[str], value: Node) -> Node:
+        """A copy of a node with a value put in its place; mappings on the way there are made."""
+        if not keys:
+            return value
+        key, *rest = keys
+        if isinstance(node.value, list):
+            entries = list(node.value)
+            if key not in map(str, range(len(entries))):
+                raise error("setting-entry-unknown", key=key, count=len(entries))
+            entries[int(key)] = put(entries[int(key)], rest, value)
+            return replace(node, value=entries)
+        if node.value is not None and not isinstance(node.value, dict):
+            raise error("setting-leads-nowhere", key=key, kind=node.describe())
+        mapping = dict(node.value or {})
+        mapping[key] = put(mapping.get(key, Node(None, asked.mark.file, 0, 0)), rest, value)
+        return replace(node, value=mapping)
+
+    key, equals, word = setting.partition("=")
+    keys = [part.strip() for part in key.split(".")]
+    if not equals or not 0 < len(keys) <= MAX_KEYS:
+        raise error("setting-without-value")
+    if keys[0] not in sections:
+        near = did_you_mean(keys[0], sections)
+        raise error("setting-section-unknown", key=keys[0], sections=sections, suggestion=near)
+    word = word.strip()
+    if broken := broken_structure(word, asked.mark.file):
+        raise error("setting-unreadable", reason=broken)
+    return put(root, keys, word_node(word, asked.mark.file))

@@ -32,8 +32,8 @@ from dh2urdf.report.manifest import (
 from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.overrides import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.run_file.plan import Plan, make_plan
+from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.running.batch_work import BatchWorker, Depth
 from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.source import Messages, printable

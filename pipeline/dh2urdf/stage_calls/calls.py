@@ -9,7 +9,8 @@ whole run depends on it. So is an answer that is not what `dh2urdf.stages` says.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+import warnings
+from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
@@ -31,8 +32,9 @@ from dh2urdf.errors import (
     RecordTypeError,
     StageError,
     TableError,
+    TableWarning,
 )
-from dh2urdf.plugin_system.attribution import Attribution
+from dh2urdf.plugin_system.attribution import Attribution, current
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
 from dh2urdf.plugin_system.options import make_options
@@ -40,9 +42,9 @@ from dh2urdf.source import listed, shown
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Executor, Kind, Loader, Reader, Transform
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
-    from dh2urdf.source import Mark
+    from dh2urdf.source import Mark, Problem
 
 S = TypeVar("S", Reader[Any], Transform[Any], Edit[Any], Emitter[Any], Loader[Any], Executor[Any])
 T = TypeVar("T")
@@ -318,3 +320,16 @@ def a_plain_name(name: str) -> str:
     if not name or name in {".", ".."} or "/" in name or "\\" in name or "\0" in name:
         raise ValueError(f"{shown(name)} is not a plain file name; accepted: a name without a folder")
     return name
+
+
+# --- Notices ----------------------------------------------------------------------------------------------------------
+
+
+def warn_of(notices: Iterable[Problem], depth: int = 1) -> None:
+    """Give notices as warnings, each once, at the line that called a public function, `depth` functions above.
+
+    Not while a stage is at work, such as a reader that calls `from_dh`: the caller of the stage reports its notices.
+    """
+    if current() is None:
+        for text in dict.fromkeys(map(str, notices)):
+            warnings.warn(text, TableWarning, stacklevel=depth + 2)

@@ -111,8 +111,8 @@ def command(
 def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
     """Say on standard error how a run goes: a bar on a terminal, a line now and then in a log.
 
-    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators. If it
-    is `quiet`, only what fails is said; `debug` says where stages failed.
+    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators. `quiet`
+    prints only what fails, and `debug` where stages failed.
     """
     severities = ("error",) if quiet else ("notice", "error")
     bar = _bar() if sys.stderr.isatty() and not quiet else None

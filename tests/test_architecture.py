@@ -421,7 +421,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4420,
     "plugins/dh2urdf_plugins/loaders": 3020,
     "plugins/dh2urdf_plugins/packages": 2240,
-    "plugins/dh2urdf_plugins/readers": 8410,
+    "plugins/dh2urdf_plugins/readers": 8310,
     "plugins/dh2urdf_plugins/transforms": 2310,
     "plugins/dh2urdf_plugins/xacro_fence": 780,
     "plugins/dh2urdf_studio": 7410,

@@ -19,52 +19,17 @@ if TYPE_CHECKING:
 
 ROWS = "a,alpha,d\n300,90,100\n"
 KEYED = [
-    *(
-        "# units: {length: mm, angle: deg}",
-        "# units: mm, deg",
-        "# units: mm/deg",
-        "# units: [mm, deg]",
-        "# units [mm, deg]",
-    ),
-    *(
-        "# Units = mm and degrees",
-        "# Unit: mm, °",
-        "# Einheiten: mm und deg",
-        "## units: mm, deg",
-        "# - units: mm, deg",
-    ),
-    *("// units: mm, deg", "\N{FULLWIDTH NUMBER SIGN} units\N{FULLWIDTH COLON} mm, deg", "'# units: mm, deg"),
-    *("\ufeff# units: mm, deg", "# units: {length: mm, angle: deg},,,,", '"# units: {length: mm, angle: deg}",,'),
-    *("# units,mm,deg", "# units:,mm,deg,,", '"# units","mm","deg"', ",# units: mm/deg,,", "sep=,\n# units: mm, deg"),
-    *('"# a table of mine\n# units: mm, deg",,', '"",""\n"# units: mm, deg",""'),
-]
+    "# units: {length: mm, angle: deg}", "# units: mm/deg", "# units: [mm, deg]", "# units [mm, deg]", "# Unit: mm, °",
+    "# Einheiten: mm und deg", "// units: mm, deg", "\N{FULLWIDTH NUMBER SIGN} units\N{FULLWIDTH COLON} mm, deg",
+    "'# units: mm, deg", "\ufeff# units: mm, deg", '"# units: {length: mm, angle: deg}",,', "# units:,mm,deg,,",
+    ",# units: mm/deg,,", "sep=,\n# units: mm, deg", '"# a table of mine\n# units: mm, deg",,',
+]  # fmt: skip
 SPOKEN = [
-    *(
-        "# mm / deg",
-        "# lengths in mm, angles in degrees",
-        "# a and d in mm, alpha and theta in deg",
-        "# a/mm, alpha/deg, d/mm",
-    ),
-    *("# All lengths are in millimetres; all angles are given in degrees.", "# lengths: mm\n# angles: deg"),
-    *("# length unit: mm\n# unit of angles: deg", "% lengths in mm, angles in deg", "#lengths [mm]\n#angles [deg]"),
-    *("# (Units: mm, degrees.)", "# Note: units -> mm, deg", "# UR5 (mm, deg)"),
-    *(
-        "# a [mm], alpha [deg], d [mm]",
-        "# standard DH convention, units: mm and degrees.",
-        "# SDH, lengths in mm, angles in °",
-    ),
-    *(
-        "# DH parameters (standard, mm, deg)",
-        "# convention: standard; units: mm, deg",
-        "# wymiary w mm, kąty w stopniach",
-    ),
-    *(
-        "# Längen in mm, Winkel in deg",
-        "# 长度单位：毫米，角度：度",
-        "# размеры в мм, углы в градусах",
-        "# All dimensions are in mm. Angles: deg",
-    ),
-]
+    "# mm / deg", "# lengths in mm, angles in degrees", "# a and d in mm, alpha and theta in deg", "# a/mm, alpha/deg, d/mm",
+    "# lengths: mm\n# angles: deg", "# length unit: mm\n# unit of angles: deg", "#lengths [mm]\n#angles [deg]",
+    "# Note: units -> mm, deg", "# UR5 (mm, deg)", "# DH parameters (standard, mm, deg)", "# Längen in mm, Winkel in deg",
+    "# convention: standard; units: mm, deg", "# 长度单位：毫米，角度：度", "# All dimensions are in mm. Angles: deg",
+]  # fmt: skip
 
 
 def test_metres_of_a_comment_are_no_mass(read: Read) -> None:
@@ -85,41 +50,25 @@ def test_units_of_a_comment_hold(comment: str, read: Read) -> None:
     assert len(said) == (comment in SPOKEN) or "declare" in said[0]
 
 
-def test_revolutions_are_a_unit_in_a_list_of_units(read_one: Callable[..., Manipulator]) -> None:
-    """And a word like others alone, or in a sentence."""
-    assert read_one("# mm, revolutions\na,alpha,d\n300,0.25,100\n").rows[0].alpha == pytest.approx(1.5707963267948966)
-    assert read_one("# rev.\na,alpha,d\n0.3,0.25,0.1\n").rows[0].alpha == 0.25
+MODIFIED = [
+    "convention is modified", "convention,modified,", "Craig's convention", "notation: Craig", "DH modifiée", "MDH; m; rad",
+    "(D-H parameters, modified form)", "UR5 - modified DH", "modifizierte convention", "수정 DH", "DH convention = modified",
+]  # fmt: skip
+STANDARD = [
+    "This table uses the standard DH convention.",
+    "DH: classic",
+    "SDH",
+    "UR5e (standard DH)",
+    "convention: 标准DH",
+]
 
 
 @pytest.mark.parametrize(
-    ("comment", "convention"),
-    [
-        *(
-            (f"# {text}", "modified")
-            for text in ("convention is modified", "convention,modified,", "Craig's convention")
-        ),
-        *(
-            (f"# {text}", "modified")
-            for text in ("notation: Craig", "Modified DH parameters", "(D-H parameters, modified form)")
-        ),
-        *(
-            (f"# {text}", "modified")
-            for text in ("DH modifiée", "MDH; m; rad", "UR5 - modified DH", "Modified DH for Puma 560")
-        ),
-        *(
-            (f"# {text}", "modified")
-            for text in ("modifizierte convention", "수정 DH", "改进DH参数", "DH convention = modified")
-        ),
-        *((f"# {text}", "standard") for text in ("This table uses the standard DH convention.", "DH: classic", "SDH")),
-        *(
-            (f"# {text}", "standard")
-            for text in ("UR5e (standard DH)", "convention: standard DH", "DH-Konvention: klassisch")
-        ),
-    ],
+    ("comment", "convention"), [*((each, "modified") for each in MODIFIED), *((each, "standard") for each in STANDARD)]
 )
 def test_the_convention_of_a_comment_holds(comment: str, convention: str, read: Read) -> None:
     """Where one word of one convention is beside a word that shows what it is about."""
-    (arm,) = read(f"{comment}\na,alpha,d\n0.3,0,0.1\n")
+    (arm,) = read(f"# {comment}\na,alpha,d\n0.3,0,0.1\n")
     assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
     assert arm.convention == convention
 
@@ -127,11 +76,8 @@ def test_the_convention_of_a_comment_holds(comment: str, convention: str, read: 
 @pytest.mark.parametrize(
     ("comment", "names"),
     [
-        ("standard DH", 0),
         ("Modified DH parameters:", 0),
-        ("Convention: standard DH", 0),
         ("standard DH, lengths in m", 0),
-        ("Table 2: standard DH parameters", 0),
         ("Puma 560, standard DH", 1),
         ("standard DH, lengths in mm", 1),
         ("an RR arm, standard DH, lengths in mm", 1),
@@ -146,31 +92,13 @@ def test_a_line_of_nothing_but_the_convention_has_no_notice(comment: str, names:
 
 
 PROSE = [
-    *("Universal Robots UR5, from the maker's own table", "6 degrees of freedom, repeatability 0.1 mm, reach 850 mm"),
-    *(
-        "TCP: the middle of the gripper",
-        "Source: manual, p. 12 [3]",
-        "see fig. 3 in [2]",
-        "lengths in m, angles in rad",
-    ),
-    *(
-        "see https://example.org/a?b=c",
-        "################",
-        "Units",
-        "rev B of the sheet",
-        "rev.",
-        "Created: 2024-01-05 10:30",
-    ),
-    *(
-        "base, tool and defaults are not given",
-        "in the lab, and not at home",
-        "joints: 6",
-        "R = revolute, P = prismatic",
-    ),
-    *('the "classic" arm, with "quotes"', "joint 2 is fixed", "offset -90", "all joints ±170", "divide by 1000"),
-    *("max. torque 50 Nm", "joint limits in degrees", "modified on 2020-01-01", "a in cm", "an RRRRRR arm"),
-    "not the modified DH convention",
-]
+    "6 degrees of freedom, repeatability 0.1 mm, reach 850 mm", "TCP: the middle of the gripper", "see fig. 3 in [2]",
+    "lengths in m, angles in rad", "see https://example.org/a?b=c", "################", "Created: 2024-01-05 10:30",
+    "base, tool and defaults are not given", "in the lab, and not at home", "R = revolute, P = prismatic", "offset -90",
+    'the "classic" arm, with "quotes"', "all joints ±170", "max. torque 50 Nm", "joint limits in degrees", "a in cm",
+    "modified on 2020-01-01", "an RRRRRR arm", "not the modified DH convention", "reach of 850 millimetres",
+    "counterclockwise is positive", "with 6 axes and a hand", "Link 1 -> Link 2: elbow", "<https://example.org/j1>",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("comment", PROSE)
@@ -191,16 +119,12 @@ def test_everything_else_is_prose_and_passed_over_in_silence(comment: str, form:
     ("comments", "said"),
     [
         ("# conventoin: standard", "did you mean 'convention'?"),
-        ("# nmae: x", "did you mean 'name'?"),
         ("# mounting: {rpy: [0, 0, 1]}", "'mounting', which nothing is called"),
         ("# offsets: [0, 90]", "'offsets', which nothing is called"),
-        ("# lengths in mm\n# all dimensions in cm", "contradicts the unit mm"),
         ("# units: {length: mm}\n# lengths in cm", "contradicts the unit mm"),
-        ("# MDH\n# SDH", "means the standard convention, and"),
         ("# convention: standard\n# Craig's convention", "means the modified convention"),
         ("# units: mm\n# units: cm", "says units already"),
         ("# tool:", "says nothing behind 'tool'"),
-        ("# tcp: {xyz: [0, 0]}", "tool.xyz is a list of 2"),
     ],
 )
 def test_a_declaration_that_is_wrong_is_refused(comments: str, said: str, read: Read) -> None:
@@ -221,7 +145,7 @@ def test_values_that_say_nothing_are_values(read_one: Callable[..., Manipulator]
     assert arm.tool == arm.base
 
 
-@pytest.mark.parametrize("key", ["tool", "tcp", "end-effector", "Tool frame", "TCP offset", "Werkzeug"])
+@pytest.mark.parametrize("key", ["tool", "end-effector", "TCP offset"])
 def test_a_key_has_other_words(key: str, read_one: Callable[..., Manipulator]) -> None:
     assert read_one(f"# {key}: {{xyz: [0, 0, 0.5]}}\na,alpha,d\n0.3,0,0.1\n").tool.translation == (0, 0, 0.5)
 
@@ -240,7 +164,7 @@ def test_letters_as_long_as_the_table_are_its_types(suffix: str, read_one: Calla
     assert "'# an RP arm' declares the types of the joints: RP" in notice.message
 
 
-@pytest.mark.parametrize("delimiter", [";", "\t"])
+@pytest.mark.parametrize("delimiter", ["\t"])
 @pytest.mark.parametrize(
     "comment",
     [
@@ -265,13 +189,10 @@ def test_a_comment_that_was_split_into_cells_is_one_again(
     ("comment", "name"),
     [
         (r'# robot: "say \"hi\", \u00e9"', 'say "hi", é'),
-        ("# Manipulator = 'it''s'", "it's"),
         ('# Manipulator = "r0_5;<3d&n"', "r0_5;<3d&n"),
         ('% robot: "lengths in mm"', "lengths in mm"),
-        ("# model: ur5", "ur5"),
         ("# robot = r0_9d1a-n", "r0_9d1a-n"),
         ("# model: CB3\n# name: ur5", "ur5"),
-        ('# robot = "x,g<n"', "x,g<n"),
     ],
 )
 def test_a_name_has_several_keys(comment: str, name: str, read_one: Callable[..., Manipulator]) -> None:
@@ -283,7 +204,6 @@ def test_a_name_has_several_keys(comment: str, name: str, read_one: Callable[...
     ("header", "row"),
     [
         ('# "theta","a","alpha","d"', "0.5,0.3,0,0.1"),
-        ("# theta,a,alpha,d,,", "0.5,0.3,0,0.1,,"),
         ("% theta; a; alpha; d", "0,5;0,3;0;0,1"),
         ('"#","theta","a","alpha","d"', "1,0.5,0.3,0,0.1"),
         ("#\ttheta\ta\talpha\td", "1\t0.5\t0.3\t0\t0.1"),

@@ -35,6 +35,8 @@ FORMS = {
     "joints in YAML": "joints:\n- {a: 0.1, alpha: pi/2, d: 0.2}\n- {a: 0.3, alpha: 0, d: 0}\n",
     "a list": "- {a: 0.1, alpha: pi/2, d: 0.2}\n- {a: 0.3, alpha: 0, d: 0}\n",
     "JSON": '[{"a": 0.1, "alpha": "pi/2", "d": 0.2}, {"a": 0.3, "alpha": 0, "d": 0}]',
+    "a dictionary of Python": "import numpy as np\n# links\nDH = {'a': [0.1, 0.3], 'alpha': [np.pi/2, 0],\n  'd': [0.2, 0]}\n",
+    "dictionaries of Python": 'dh = [\n {"a": 0.1, "alpha": "pi/2", "d": 0.2},  # waist\n {"a": 0.3, "alpha": 0, "d": 0},\n]\n',
     "dh_parameters": "dh_parameters:\n- {a: 0.1, alpha: pi/2, d: 0.2}\n- {a: 0.3, alpha: 0, d: 0}\n",
     "columns in YAML": "a: [0.1, 0.3]\nalpha: [pi/2, 0]\nd: [0.2, 0]\n",
     "joints by name": "shoulder: {a: 0.1, alpha: pi/2, d: 0.2}\nelbow: {a: 0.3, alpha: 0, d: 0}\n",
@@ -67,6 +69,14 @@ def test_a_text_of_any_form_is_read_by_every_way(text: str, tmp_path: Path) -> N
     for given in (text, text.encode(), io.StringIO(text), path):
         assert geometry(dh2urdf.read(given, convention="standard")) == ROWS
     assert geometry(dh2urdf.Manipulator.from_dh(text, convention="standard")) == ROWS
+
+
+def test_comments_above_a_dictionary_declare() -> None:
+    """A program has no other way; in YAML a key in a comment is commented out."""
+    table = "# convention: modified\nDH = {'a': [0.1, 0.3], 'alpha': [0, 0], 'd': [0.2, 0]}\n"
+    assert dh2urdf.read(table).convention == "modified"
+    with pytest.raises(TableError):
+        dh2urdf.read(table.replace("DH = ", ""))
 
 
 @pytest.mark.parametrize("text", BARE.values(), ids=BARE)

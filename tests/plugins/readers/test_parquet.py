@@ -3,7 +3,6 @@ from __future__ import annotations
 import csv as python_csv
 import io
 import math
-import pickle
 import sys
 from contextlib import suppress
 from dataclasses import replace
@@ -220,11 +219,9 @@ def test_plain_tables_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("cells", "kind", "number"),
     [
-        ([3], pa.int8(), 3.0),
         ([2**63], pa.uint64(), 2.0**63),
         ([0.1], pa.float32(), 0.10000000149011612),
         ([Decimal("0.10")], pa.decimal128(10, 2), 0.1),
-        (["0.1"], pa.large_string(), 0.1),
         (["1/10"], pa.dictionary(pa.int8(), pa.string()), 0.1),
     ],
     ids=str,
@@ -253,19 +250,6 @@ def test_words_may_be_numbers(read: Callable[..., Items]) -> None:
     ]
 
 
-def test_names_keep_their_text(read_one: Callable[..., Manipulator]) -> None:
-    """007 is no 7, in a column of texts; where all are numbers, they count joints."""
-    arm = read_one({**RADIANS, "joint": ["007"], "link": ["1e3"]}, name="no")
-    assert (arm.name, arm.rows[0].joint, arm.rows[0].link) == ("no", "joint_007", "1e3")
-
-
-def test_an_empty_cell_is_null(read_one: Callable[..., Manipulator]) -> None:
-    """What need not be said may be null in one row and a number in another."""
-    columns = {name: cells * 2 for name, cells in RADIANS.items()}
-    arm = read_one({**columns, "mass": [None, 2.5], "lower": [None, -1], "upper": [None, 1], "radius": [None, None]})
-    assert [(row.mass, row.limits.lower, row.radius) for row in arm.rows] == [(None, None, None), (2.5, -1.0, None)]
-
-
 # --- What is said of all rows -----------------------------------------------------------------------------------------
 
 
@@ -291,13 +275,6 @@ def test_metadata_say_what_columns_cannot(tmp_path: Path) -> None:
     assert (arm.geometry.shape, arm.geometry.radius, arm.density) == ("box", 0.04, 1000.0)
 
 
-def test_every_manipulator_may_have_its_convention(read: Callable[..., Items]) -> None:
-    """A column says it for each."""
-    columns = {name: cells * 2 for name, cells in RADIANS.items()}
-    arms = read({"robot": ["A", "B"], "convention": ["dh", "craig"], **columns}, TableOptions())
-    assert [arm.convention for arm in arms if isinstance(arm, Manipulator)] == ["standard", "modified"]
-
-
 # --- Refusals ---------------------------------------------------------------------------------------------------------
 
 TWO = {"joint": ["j1", "j2"], "a": [0.5, 0.25], "alpha": [0.0, 0.0], "d": [0.0, 0.5]}
@@ -312,51 +289,11 @@ NOTHING = "    accepted: a number, 0 included: nothing is filled in for geometry
 
 @pytest.mark.parametrize(
     ("columns", "said"),
-    [
-        ({"a": [0.5, None]}, of("a") + f"a is empty\n{NOTHING}"),
-        ({"alpha": ["pi/2", None]}, of("alpha") + f"alpha is empty\n{NOTHING}"),
-        ({"a": [0.5, float("nan")]}, of("a") + "'nan' "),
-        ({"mass": [0.5, float("nan")]}, of("mass") + "'nan' "),
-        ({"d": [0.5, float("-inf")]}, of("d") + "'-inf' "),
-        ({"alpha": [0, 90]}, of("alpha") + "'90' is more than a full turn in rad"),
-        ({"d": ["0", "1,5,0"]}, of("d") + "'1,5,0' cannot be read"),
-        ({"mass": [1, -2.5]}, of("mass") + "'-2.5' is not positive"),
-        ({"type": ["R", "screw"]}, of("type") + "'screw' is no type of joint"),
-        ({"mu": [0.0, 0.5]}, "'mu' is whether a joint is driven, in Khalil and Kleinfinger's convention, which no column holds, and it is '0.5'"),
-        ({"joint": ["j1", "j1"]}, "the joint cannot be named 'j1': a joint of arm.parquet:row 1, column joint has it already"),
-        ({"alpah": [0, 0], "joint": ["j1", "j2"]}, "no column is called 'alpah'"),
-        ({"a [lightyears]": [0, 0]}, "arm.parquet:column a [lightyears]: error: "),
-        ({"a [mm]": [0, 0]}, "two columns are a: 'a' and 'a [mm]' (a duplicate)"),
-        ({"a": pa.array([1, 2], pa.timestamp("ms"))}, "field 'a': the column 'a' holds timestamp[ms]\n    accepted: numbers or text"),
-        ({"a": [[0.5], [0.25]]}, "field 'a': the column 'a' holds list<element: double>"),
-    ],
+    [({"a": [0.5, None]}, of("a") + f"a is empty\n{NOTHING}"), ({"a": [0.5, float("nan")]}, of("a") + "'nan' "), ({"d": ["0", "1,5,0"]}, of("d") + "'1,5,0' cannot be read"), ({"mu": [0.0, 0.5]}, "'mu' is whether a joint is driven, in Khalil and Kleinfinger's convention, which no column holds, and it is '0.5'"), ({"a [mm]": [0, 0]}, "two columns are a: 'a' and 'a [mm]' (a duplicate)"), ({"a": pa.array([1, 2], pa.timestamp("ms"))}, "field 'a': the column 'a' holds timestamp[ms]\n    accepted: numbers or text"), ({"a": [[0.5], [0.25]]}, "field 'a': the column 'a' holds list<element: double>")],
 )  # fmt: skip
 def test_a_message_names_the_row(refusal: Callable[..., str], columns: dict[str, Any], said: str) -> None:
     """File, row, joint, field, what was found, what is accepted: with the row where a CSV file has a line."""
     assert said in refusal({**TWO, **columns})
-
-
-@pytest.mark.parametrize(
-    ("statements", "said"),
-    [
-        ({"convetion": "dh"}, "did you mean 'dh2urdf.convention'?"),
-        ({"convention": "modified"}, "'standard' means the standard convention, and arm.parquet, metadata dh2urdf.convention:1:1 says modified"),
-        ({"base": "{xyz: [0, 0}"}, "arm.parquet, metadata dh2urdf.base:1:"),
-        ({"tool": "{xyz: [0, 0, x]}"}, "arm.parquet, metadata dh2urdf.tool:1:14: error: "),
-        ({"convention": ""}, "'dh2urdf.convention', and its value is empty"),
-    ],
-)  # fmt: skip
-def test_what_metadata_cannot_say_is_refused(
-    refusal: Callable[..., str], statements: dict[str, str], said: str
-) -> None:
-    """The key is named, with line and column of its text."""
-    assert said in refusal(RADIANS, **statements)
-
-
-def test_a_table_without_rows_is_refused(refusal: Callable[..., str]) -> None:
-    """Columns alone are no arm."""
-    nothing = pa.array([], pa.float64())
-    assert "there are no joints" in refusal({"a": nothing, "alpha": nothing, "d": nothing})
 
 
 # --- Many manipulators ------------------------------------------------------------------------------------------------
@@ -365,13 +302,6 @@ def test_a_table_without_rows_is_refused(refusal: Callable[..., str]) -> None:
 def robots(names: list[str | None], **columns: Column) -> dict[str, Column]:
     count = len(names)
     return {"robot": names, "a": [0.1] * count, "alpha": [0.0] * count, "d": [0.0] * count, **columns}
-
-
-def test_a_bad_manipulator_fails_alone(read: Callable[..., Items]) -> None:
-    """The others of the file are read, before and behind it."""
-    arms = read(robots(["A", "B", "B", "C"], d=[0.1, None, 0.1, 0.1]))
-    assert [(type(arm), arm.name) for arm in arms] == [(Manipulator, "A"), (Rejected, "B"), (Manipulator, "C")]
-    assert [arm.mark and arm.mark.line for arm in arms] == [1, 2, 4]
 
 
 @pytest.mark.parametrize("gap", [1, 20_000])
@@ -388,12 +318,6 @@ def test_a_manipulator_may_be_longer_than_a_batch(read_one: Callable[..., Manipu
     """5,000 joints are read, with the row of each."""
     arm = read_one({"a": [0.001] * 5000, "alpha": [0.0] * 5000, "d": [0.0] * 5000})
     assert [row.mark.line for row in arm.rows if row.mark] == list(range(1, 5001))
-
-
-def test_a_row_keeps_its_place_in_another_process(read_one: Callable[..., Manipulator]) -> None:
-    """Workers get manipulators pickled, and say the row in their messages too."""
-    mark = pickle.loads(pickle.dumps(read_one(RADIANS))).rows[0].mark  # noqa: S301 - pickled here
-    assert str(mark) == "arm.parquet:row 1"
 
 
 @pytest.fixture(scope="module")
@@ -444,7 +368,7 @@ def whole_file() -> bytes:
     return content.getvalue()
 
 
-@pytest.mark.parametrize("content", [b"", b"a,alpha,d\n0,0,1\n", b"PAR1", bytes(100), whole_file()[:-10]])
+@pytest.mark.parametrize("content", [b"", b"a,alpha,d\n0,0,1\n", whole_file()[:-10]])
 def test_what_is_no_parquet_file_is_refused(tmp_path: Path, content: bytes) -> None:
     """Nothing, another format, half a file: one line that says so."""
     (tmp_path / "arm.parquet").write_bytes(content)
@@ -532,14 +456,7 @@ def test_units_that_contradict_or_mean_nothing_are_refused(
 
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [
-        (pa.timestamp("us"), 1),
-        (pa.date32(), 1),
-        (pa.time32("ms"), 1),
-        (pa.duration("s"), 1),
-        (pa.struct([("x", pa.float64())]), {"x": 0.5}),
-        (pa.binary(), b"0.5"),
-    ],
+    [(pa.timestamp("us"), 1), (pa.struct([("x", pa.float64())]), {"x": 0.5}), (pa.binary(), b"0.5")],
 )
 def test_columns_of_other_kinds_are_refused_where_they_are_read(
     refusal: Callable[..., str], read_one: Callable[..., Manipulator], kind: Any, value: Any
@@ -552,12 +469,7 @@ def test_columns_of_other_kinds_are_refused_where_they_are_read(
     assert read_one({**RADIANS, "remark": cells}).rows[0].d == 0.25
 
 
-def test_truth_values_are_no_numbers(refusal: Callable[..., str]) -> None:
-    """True is no length of 1 m."""
-    assert "'true'" in refusal({**RADIANS, "a": [True]})
-
-
-@pytest.mark.parametrize("number", [2**53 + 1, -(2**63), 2**63 - 1])
+@pytest.mark.parametrize("number", [2**53 + 1, -(2**63)])
 def test_whole_numbers_beyond_doubles_are_exact_as_names(read_one: Callable[..., Manipulator], number: int) -> None:
     """As numbers they are lengths that are refused."""
     assert read_one({**RADIANS, "link": [number]}).rows[0].link == str(number)
@@ -575,17 +487,6 @@ def test_tables_of_pandas(tmp_path: Path, dtype: str) -> None:
     assert isinstance(arm, Manipulator)
     assert [(row.joint, row.a) for row in arm.rows] == [("hip", 1.0), ("knee", 2.0)]
     assert arm.notices == ()
-
-
-def test_an_index_of_pandas_with_a_name_is_a_column(tmp_path: Path) -> None:
-    """As pandas writes it."""
-    import pandas as pd
-
-    frame = pd.DataFrame({"a": [0.0, 1.0], "alpha": [0.0, 0.0], "d": [0.0, 0.0]}, index=["hip", "knee"])
-    frame.rename_axis("joint").to_parquet(tmp_path / "arm.parquet")
-    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
-    assert isinstance(arm, Manipulator)
-    assert [row.joint for row in arm.rows] == ["hip", "knee"]
 
 
 def arm_of(given: Any) -> Manipulator:
@@ -627,11 +528,8 @@ def test_an_index_of_pandas_without_a_name_is_that_of_the_joints(tmp_path: Path)
     ("key", "outcome"),
     [
         ("units", "refused"),
-        ("Units", "refused"),
         ("length_unit", "refused"),
         ("DH2URDF.units", "refused"),
-        ("dh2urdf_units", "refused"),
-        ("dh2urdf:units", "refused"),
         ("convention", "refused"),
         ("dh2urdf.units", "read"),
         ("owner", "left alone"),

@@ -10,9 +10,8 @@ import pytest
 
 import dh2urdf as api
 from dh2urdf.commands.extract import write_extracted
-from dh2urdf.errors import InputError, TableError
+from dh2urdf.errors import TableError
 from dh2urdf.plugin_system import load
-from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,27 +33,6 @@ def test_several_arms_in_one_file_come_back(arms: list[Manipulator], suffix: str
     path = tmp_path / f"arms{suffix}"
     assert write_extracted(arms, path, load(), inputs=()) == ()
     assert list(api.read_all(path)) == arms
-
-
-def test_csv_names_what_differs(arms: list[Manipulator], tmp_path: Path) -> None:
-    """Comments of a CSV file speak of all rows: two bases are refused, and no file is made."""
-    first, second = arms
-    moved = replace(second, base=RigidTransform.from_xyz_rpy((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)))
-    path = tmp_path / "arms.csv"
-    with pytest.raises(InputError, match="a CSV file has one base for all of its manipulators"):
-        write_extracted([first, moved], path, load(), inputs=())
-    assert not path.exists()
-    assert write_extracted([first, moved], tmp_path / "arms.yaml", load(), inputs=()) == ()
-    assert list(api.read_all(tmp_path / "arms.yaml")) == [first, moved]
-
-
-def test_what_a_format_leaves_out_is_named(arms: list[Manipulator], tmp_path: Path) -> None:
-    """A CSV table has no place for whether links are drawn; a YAML table has."""
-    arm = replace(arms[0], visuals=False)
-    (notice,) = write_extracted([arm], tmp_path / "arm.csv", load(), inputs=())
-    assert notice.message == "the format 'csv' has no place for 'visuals': left out"
-    assert write_extracted([arm], tmp_path / "arm.yaml", load(), inputs=()) == ()
-    assert api.read(tmp_path / "arm.yaml") == arm
 
 
 TWO = """\

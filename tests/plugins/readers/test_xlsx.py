@@ -52,6 +52,13 @@ def refusal(path: str = "arm.xlsx", **options: Any) -> str:
     return "\n".join(str(problem) for item in items if isinstance(item, Rejected) for problem in item.problems)
 
 
+def codes() -> list[str | None]:
+    """Which messages refuse the one manipulator of a workbook."""
+    (arm,) = read()
+    assert isinstance(arm, Rejected)
+    return [problem.code for problem in arm.problems]
+
+
 def notices(arm: Manipulator) -> str:
     return "\n".join(map(str, arm.notices))
 
@@ -109,18 +116,11 @@ def test_a_table_may_stand_anywhere(sheet: Worksheet, at: str) -> None:
         ("elbow", -0.425, 0.0, 0.0),
     ]
     assert (arm.name, arm.notices) == ("arm", ())
-
-
-def test_a_message_names_sheet_and_cell(sheet: Worksheet) -> None:
-    """As the spreadsheet's own name box takes it."""
-    fill(sheet, HEADER, FIRST, ["elbow", "R", "x", 0, 0], at="A2")
-    assert refusal().startswith("arm.xlsx:Sheet2!C4: error: joint 'elbow', field 'a': 'x' cannot be read")
-
-
-def test_rows_keep_their_places(sheet: Worksheet) -> None:
-    """For what later stages declare about a joint."""
-    fill(sheet, HEADER, FIRST, SECOND, at="B3")
-    assert [str(row.mark) for row in read_one().rows] == ["arm.xlsx:Sheet2!B4", "arm.xlsx:Sheet2!B5"]
+    sheet[sheet.dimensions.partition(":")[0]].offset(2, 2).value = "x"
+    save(sheet)
+    (wrong,) = read()
+    place = sheet[sheet.dimensions.partition(":")[0]].offset(2, 2).coordinate
+    assert [str(problem.mark) for problem in wrong.problems] == [f"arm.xlsx:Sheet2!{place}"]  # type: ignore[union-attr]
 
 
 def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
@@ -132,18 +132,11 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
     assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0.1, QUARTER, 0.0), (0.0, 0.0, 0.05)]
 
 
-def test_an_expression_below_the_table_is_no_note(sheet: Worksheet) -> None:
-    """It is a row that lacks its other cells."""
-    fill(sheet, ["a", "alpha", "d"], [0.1, 0, 0], [], [None, "pi/2"])
-    assert "a is empty" in refusal()
-
-
 @pytest.mark.parametrize(
     ("row", "said"),
     [
         (["j1", "R", 0, 0, 0, None, 5], "Sheet2!G2: error: joint 'joint_1': '5' is in a column without a header"),
         (["j1", "R", 0, 0, 0, None, "0.5 m"], "'0.5 m' is in a column without a header"),
-        (["j1", "R", 0, 0, None, None, 5], "'5' is in a column without a header"),
     ],
 )
 def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], said: str) -> None:
@@ -152,40 +145,18 @@ def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], 
     assert said in refusal()
 
 
-def test_a_row_behind_an_empty_one_is_a_row(sheet: Worksheet) -> None:
-    """Where it has geometry."""
-    fill(sheet, HEADER, FIRST, [], SECOND)
-    assert len(read_one().rows) == 2
-
-
 # --- Headers ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "units",
-    [
-        ["", "", "mm", "deg", "mm", "deg"],
-        ["-", "-", "[mm]", "[°]", "[mm]", "[°]"],
-        [None, None, "(mm)", "(deg)", "(mm)", None],
-    ],
+    [["-", "-", "[mm]", "[°]", "[mm]", "[°]"], [None, None, "(mm)", "(deg)", "(mm)", None]],
 )
 def test_a_row_of_units_below_the_header(sheet: Worksheet, units: list[Any]) -> None:
     """Is part of it."""
     fill(sheet, HEADER, units, ["j1", "R", 100, 90, 0, None])
     row = read_one().rows[0]
     assert (row.a, row.alpha) == (0.1, QUARTER)
-
-
-def test_a_row_of_units_that_contradicts_the_header(sheet: Worksheet) -> None:
-    """Is refused, with its cell."""
-    fill(sheet, ["a [mm]", "alpha", "d"], ["cm", "deg", "mm"], [1, 2, 3])
-    assert "arm.xlsx:Sheet2!A2: error: the row of units says 'cm', and the header above says 'a [mm]'" in refusal()
-
-
-def page(sheet: Worksheet, place: str, text: str) -> None:
-    """Writes into the header or footer of the pages of a sheet."""
-    part, _, side = place.partition(".")
-    getattr(getattr(sheet, part), side).text = text
 
 
 @pytest.mark.parametrize("is_empty", [True, False])
@@ -211,26 +182,6 @@ def test_titles_over_several_columns(sheet: Worksheet) -> None:
     assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == pytest.approx(
         (-math.radians(170), math.radians(170))
     )
-
-
-def test_a_header_of_two_rows(sheet: Worksheet) -> None:
-    """Names that are merged down, and units or further names below the others."""
-    fill(sheet, ["joint", "type", "a", "alpha", "d", "com", "", "", "mass"])
-    fill(
-        sheet, [None, None, "mm", "deg", "mm", "x", "y", "z", "kg"], ["j1", "R", 100, 90, 0, 0.1, 0.2, 0.3, 2], at="A2"
-    )
-    for cells in ("A1:A2", "B1:B2", "F1:H1"):
-        sheet.merge_cells(cells)
-    save(sheet)
-    row = read_one().rows[0]
-    assert (row.a, row.alpha, row.mass) == (0.1, QUARTER, 2)
-    assert row.com is not None
-
-
-def test_a_header_broken_into_lines(sheet: Worksheet) -> None:
-    """Alt and Enter in a cell are a blank."""
-    fill(sheet, ["joint", "type", "a\n[mm]", "alpha\n[deg]", "d\n[mm]"], ["j", "R", 100, 90, 0])
-    assert read_one().rows[0].a == 0.1
 
 
 @pytest.mark.parametrize("second", [HEADER, ["name", "a [mm]", "alpha", "d"]])
@@ -272,30 +223,22 @@ def test_cells_merged_across_columns_are_refused(sheet: Worksheet, cells: str) -
 # --- Cells ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("number_format", "unit"),
-    [
-        ("General", ""),
-        ("0.00", ""),
-        ("#,##0.00", ""),
-        ("0.00E+00", ""),
-        ("0.00;[Red]-0.00", ""),
-        ("0_);(0)", ""),
-        ("# ?/?", ""),
-        ("@", ""),
-        ('0.00" mm"', "mm"),
-        ('#,##0.0 "mm"', "mm"),
-        ("0.0\\ \\m\\m", "mm"),
-        ("0.0°", "°"),
-        ('0.0"°"', "°"),
-        ('General" deg"', "deg"),
-        ('0.0" m";-0.0" m";0', "m"),
-        ('[>100]0" mm";0" mm"', "mm"),
-        ('+0.0" mm";-0.0" mm"', "mm"),
-        ("#'##0.00", ""),
-        ('#\'##0.00" mm"', "mm"),
+UNITS = {
+    "": ["General", "0.00", "#,##0.00", "0.00E+00", "0.00;[Red]-0.00", "0_);(0)", "# ?/?", "@", "#'##0.00"],
+    "mm": [
+        '0.00" mm"',
+        "0.0\\ \\m\\m",
+        '[>100]0" mm";0" mm"',
+        '+0.0" mm";-0.0" mm"',
+        '#\'##0.00" mm"',
+        '0" mm";-0" m"',
     ],
-)
+    "°": ["0.0°", '0.0"°"'],
+    "m": ['0.0" m";-0.0" m";0'],
+}
+
+
+@pytest.mark.parametrize(("number_format", "unit"), [(words, unit) for unit in UNITS for words in UNITS[unit]])
 def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
     """The unit behind the number, whatever else the format does."""
     assert shown_unit(number_format) == unit
@@ -335,12 +278,6 @@ def test_a_negative_number_is_shown_with_its_sign(number_format: str, is_signed:
             shown_unit(number_format, negative=True)
 
 
-def test_the_section_of_the_number_counts() -> None:
-    """A format may show negative numbers and zero in another way."""
-    words = '0" mm";-0" m";0" cm"'
-    assert [shown_unit(words), shown_unit(words, negative=True), shown_unit(words, zero=True)] == ["mm", "m", "cm"]
-
-
 def test_units_that_number_formats_show_are_read(sheet: Worksheet) -> None:
     """425 shown as `425 mm` is 0.425 m; with another unit in the header the cell's own counts, as in every table."""
     fill(sheet, HEADER, ["j1", "R", 425, 90, 0.5, None])
@@ -349,30 +286,19 @@ def test_units_that_number_formats_show_are_read(sheet: Worksheet) -> None:
     save(sheet)
     row = read_one().rows[0]
     assert (row.a, row.alpha, row.d) == (0.425, QUARTER, 0.5)
-
-
-def test_a_percentage_is_refused(sheet: Worksheet) -> None:
-    """A message has the number and the format."""
-    fill(sheet, HEADER, ["j1", "R", 0.05, 0, 0, None])
-    sheet["C2"].number_format = "0%"
+    sheet["E2"].number_format = "0%"
     save(sheet)
-    assert (
-        "arm.xlsx:Sheet2!C2: error: joint 'joint_1', field 'a': the cell holds 0.05, and its number format '0%' shows a "
-        "percentage" in refusal()
-    )
+    assert codes() == ["shown-otherwise"]
 
 
 @pytest.mark.parametrize(
     ("value", "said"),
     [
-        (dt.datetime(2024, 3, 4), "the cell holds a date, 2024-03-04 00:00:00"),  # noqa: DTZ001 - a cell has no zone
         (dt.date(2024, 3, 4), "the cell holds a date, 2024-03-04"),
         (dt.time(1, 30), "the cell holds a time, 01:30:00"),
         (dt.timedelta(hours=30), "the cell holds a duration, 1 day, 6:00:00"),
         ("#REF!", "the cell shows the error #REF!"),
-        ("#DIV/0!", "the cell shows the error #DIV/0!"),
         (True, "'true' cannot be read"),
-        ("(425)", "'(425)'"),
     ],
 )
 def test_what_is_no_number_is_refused(sheet: Worksheet, value: Any, said: str) -> None:
@@ -381,46 +307,22 @@ def test_what_is_no_number_is_refused(sheet: Worksheet, value: Any, said: str) -
     assert re.search(rf"arm\.xlsx:Sheet2!C2: error: joint 'j(oint_)?1', field 'a': {re.escape(said)}", refusal())
 
 
-@pytest.mark.parametrize("text", ["-0.425", "-425 mm", "-0,425", " -0.425 ", "−0.425"])
+@pytest.mark.parametrize("text", ["-425 mm", "-0,425", "−0.425"])
 def test_texts_are_read_as_in_every_table(sheet: Worksheet, text: str) -> None:
     """A number that is stored as text, too, and one with a decimal comma."""
     fill(sheet, HEADER, ["j1", "R", text, 0, 0])
     assert read_one().rows[0].a == -0.425
 
 
-def test_whole_numbers_are_exact(sheet: Worksheet) -> None:
-    """A number that no double holds is read as the text that it is."""
-    fill(sheet, HEADER, ["j1", "R", 1, 0, 0])
-    row = read_one().rows[0]
-    assert (row.a, str(row.type)) == (1.0, "revolute")
-
-
 # --- Formulas ---------------------------------------------------------------------------------------------------------
 
 
-def test_formulas_have_the_value_that_the_workbook_holds(sheet: Worksheet) -> None:
-    """As a spreadsheet program has computed it."""
-    fill(sheet, HEADER, ["j1", "R", 0.25, 0, 0])
-    edit(r'(<c r="C2"[^>]*>)<v>0.25</v>', r"\1<f>1/4</f><v>0.25</v>")
-    assert read_one().rows[0].a == 0.25
-
-
-@pytest.mark.parametrize("value", ["", "<v></v>", "<v/>"])
-def test_a_formula_without_a_value_is_refused(sheet: Worksheet, value: str) -> None:
-    """A program has written it that computes none."""
+@pytest.mark.parametrize("value", ["<v>0.25</v>", "", "<v></v>", "<v/>"])
+def test_formulas_have_the_value_that_the_workbook_holds(sheet: Worksheet, value: str) -> None:
+    """As a spreadsheet program has computed it; a program that computes none has written the others."""
     fill(sheet, HEADER, ["j1", "R", 0.25, 0, 0])
     edit(r'(<c r="C2"[^>]*>)<v>0.25</v>', rf"\1<f>1/4</f>{value}")
-    assert refusal() == (
-        "arm.xlsx:Sheet2!C2: error: joint 'joint_1', field 'a': the cell holds a formula without a value\n"
-        "    accepted: a formula whose value the workbook holds too\n"
-        "    open the workbook in a spreadsheet program, which computes it, and save it"
-    )
-
-
-def test_a_formula_in_an_optional_field_without_a_value_is_refused(sheet: Worksheet) -> None:
-    """The cell is not empty, though nothing can be read there."""
-    fill(sheet, HEADER, ["j1", "R", 0, 0, 0, "=PI()/2"])
-    assert "Sheet2!F2: error: joint 'joint_1', field 'theta': the cell holds a formula without a value" in refusal()
+    assert codes() == ["formula-without-a-value"] if "2" not in value else read_one().rows[0].a == 0.25
 
 
 def test_a_formula_whose_value_is_an_empty_text_is_an_empty_cell(sheet: Worksheet) -> None:
@@ -577,10 +479,8 @@ def archive(**parts: str) -> bytes:
     ("content", "said"),
     [
         (b"", "the file is empty"),
-        (b"a,alpha,d\n0,0,0\n", "this is no workbook"),
         (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "this is a workbook of Excel 97 to 2003, or one with a password"),
         (archive(mimetype="x", **{"content.xml": "<x/>"}), "OpenDocument"),
-        (archive(**{"a.txt": "x"}), "this zip archive is no workbook in XML"),
         (archive(**{"[Content_Types].xml": "x"}), "the workbook cannot be read: "),
         (b"PK\x03\x04 and then nothing", "the workbook is broken: "),
     ],
@@ -598,7 +498,7 @@ def test_a_workbook_of_gigabytes_is_refused(sheet: Worksheet, monkeypatch: pytes
     assert re.match(r"arm.xlsx: error: the workbook holds 0 MiB in \d+ parts when unpacked\n", refusal())
 
 
-@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml", "xl/styles.xml"])
+@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml"])
 def test_entities_are_refused(sheet: Worksheet, part: str) -> None:
     """A few lines of them unfold to gigabytes."""
     fill(sheet, HEADER, FIRST)
@@ -606,7 +506,7 @@ def test_entities_are_refused(sheet: Worksheet, part: str) -> None:
     assert f"its part {part} has a document type" in refusal()
 
 
-@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml", "xl/styles.xml"])
+@pytest.mark.parametrize("part", ["xl/worksheets/sheet1.xml", "xl/workbook.xml"])
 def test_a_broken_part_is_an_error_of_the_table(sheet: Worksheet, part: str) -> None:
     """Whichever it is."""
     fill(sheet, HEADER, FIRST)
@@ -627,7 +527,7 @@ def test_without_openpyxl(sheet: Worksheet, monkeypatch: pytest.MonkeyPatch) -> 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 
-@pytest.mark.parametrize("name", ["scara", "stanford", "track", "ur5", "ur5_paper"])
+@pytest.mark.parametrize("name", ["scara", "track", "ur5_paper"])
 def test_a_csv_table_pasted_into_a_sheet_is_the_same_arm(sheet: Worksheet, name: str) -> None:
     """Each line cut at its commas, comments too, and numbers made numbers, as a spreadsheet does on opening."""
     for line in (TABLES / f"{name}.csv").read_text("utf-8").splitlines():
@@ -668,13 +568,9 @@ DENSE = (
 )
 
 
-def outcome(items: list[Manipulator | Rejected]) -> str:
-    return "\n".join(map(repr, map(astuple, items)))
-
-
 def read_outcome() -> str:
     try:
-        return outcome(read())
+        return "\n".join(map(repr, map(astuple, read())))
     except TableError as error:
         return str(error)
 
@@ -730,23 +626,15 @@ def test_a_workbook_that_libreoffice_has_saved(sheet: Worksheet, tmp_path: Path)
     assert (arm.rows[1].limits.upper, arm.notices) == (0.05, ())
 
 
-def test_a_strict_workbook_is_answered_with_how_to_save_it(tmp_path: Path) -> None:
+def test_a_strict_workbook_is_answered_with_how_to_save_it(sheet: Worksheet) -> None:
     """Its elements have the names of ISO/IEC 29500-1, which openpyxl does not know: no sheet was found."""
-    book, strict = Workbook(), tmp_path / "arm.xlsx"
     for row in (HEADER, FIRST, SECOND):
-        book.active.append(row)
-    buffer = io.BytesIO()
-    book.save(buffer)
-    names = {
-        b"http://schemas.openxmlformats.org/spreadsheetml/2006/main": b"http://purl.oclc.org/ooxml/spreadsheetml/main",
-        b"http://schemas.openxmlformats.org/officeDocument/2006/relationships": b"http://purl.oclc.org/ooxml/"
-        b"officeDocument/relationships",
-    }
-    with zipfile.ZipFile(buffer) as archive, zipfile.ZipFile(strict, "w") as out:
-        for part in archive.namelist():
-            content = archive.read(part)
-            for usual, other in names.items():
-                content = content.replace(usual, other)
-            out.writestr(part, content)
-    assert "this is a workbook in the format Strict Open XML" in refusal(str(strict))
-    assert "save it as `Excel Workbook (.xlsx)`" in refusal(str(strict))
+        sheet.append(row)
+    save(sheet)
+    for part in ("xl/workbook.xml", "xl/worksheets/sheet1.xml", "xl/styles.xml"):
+        edit(
+            "http://schemas.openxmlformats.org/spreadsheetml/2006/main",
+            "http://purl.oclc.org/ooxml/spreadsheetml/main",
+            part,
+        )
+    assert "this is a workbook in the format Strict Open XML" in refusal()

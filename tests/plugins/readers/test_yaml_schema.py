@@ -64,9 +64,7 @@ def test_tables_that_are_refused_are_not_valid(name: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "{robots: [{joints: [{a: 0, alpha: pi/2, d: 0.1}]}]}",
         "{joints: [{A: 0, Twist: 90deg, d_: 0, Joint Name: 7, SIGN: -1, q_min: -1, qmax: 1}]}",
-        "{convention: Modified DH, joints: [{Link-Length: 0, alpha: 0, d: 0}]}",
         "{defaults: {alpha: 0, geometry: {shape: box}}, joints: [{a: 0, d: 1 mm, type: Prismatic}]}",
         "{tool: [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], joints: [{a: 0, alpha: 0, d: 0, sigma: 1}], units: 'mm,deg'}",
         "{base: {xyz: [0, 0, 1], mass: 3}, joints: [{a: 0, alpha: 0, d: 0, limits: {lower: -1, upper: 1}}]}",
@@ -86,20 +84,13 @@ def test_other_names_and_forms_are_valid_and_read(text: str, tmp_path: Path) -> 
     "text",
     [
         "{}",
-        "[]",
-        "{joints: []}",
-        "{robots: []}",
         "{robots: [], joints: []}",
         "{joints: [{a: 0, alpha: 0}]}",
-        "{joints: [{a: 0, alpha: 0, d: }]}",
         "{joints: [{a: 0, alhpa: 0, d: 0}]}",
         "{convention: foo, joints: [{a: 0, alpha: 0, d: 0}]}",
         "{joints: [{a: 0, alpha: 0, d: 0, type: screw}]}",
-        "{joints: [{a: 0, alpha: 0, d: 0, limits: {low: 1}}]}",
         "{joints: [{a: 0, alpha: 0, d: 0, com: [1, 2]}]}",
-        "{base: [[1]], joints: [{a: 0, alpha: 0, d: 0}]}",
         "{tool: {xyz: [0, 0]}, joints: [{a: 0, alpha: 0, d: 0}]}",
-        "{units: {length: furlong}, joints: [{a: 0, alpha: 0, d: 0}]}",
         "{defaults: {geometry: {shape: blob}}, joints: [{a: 0, alpha: 0, d: 0}]}",
     ],
 )

@@ -47,14 +47,9 @@ _LENGTHS = frozenset(("a", "d"))
 
 
 class Sentence(NamedTuple):
-    """What a sentence declares.
+    """What a sentence declares: a convention, units by their keys, the types of all joints, a letter each.
 
-    Attributes:
-        comment: the comment that it is.
-        convention: the convention.
-        units: units by their keys.
-        types: the types of all joints, a letter each.
-        is_bare: whether it has no word besides those that declare: ``Standard DH parameters:``.
+    It is bare where it has no word besides those that declare: ``Standard DH parameters:``.
     """
 
     comment: Comment
@@ -103,17 +98,14 @@ def _is(section: str, token: str) -> bool:
 def _convention(tokens: Sequence[str]) -> Convention | None:
     """The convention that a sentence names, and no other, beside a word that shows what it is about."""
     words = [token for token in tokens if token[:1].isalpha()]
-    named = {each for each in Convention for place, word in enumerate(words) if _names(each, words, place, word)}
+    happened = [_is("happened", word) for word in [*words[1:], ""]]  # `modified on …` names none
+    pairs = list(zip(words, happened, strict=True)) if words else []
+    named = {each for each in Convention for word, has_date in pairs if _is(each.value, word) and not has_date}
     about = len(words) == 1 or any(_is("of_conventions", word) for word in words)
     is_dashed = any(tokens[k : k + 3] in (["D", "-", "H"], ["d", "-", "h"]) for k in range(len(tokens)))
     if len(named) != 1 or not (about or is_dashed) or any(_is("not", word) for word in words):
         return None
     return named.pop()
-
-
-def _names(convention: Convention, words: Sequence[str], place: int, word: str) -> bool:
-    """Whether a word is one for a convention, and not `modified on …`."""
-    return _is(convention.value, word) and not (words[place + 1 :] and _is("happened", words[place + 1]))
 
 
 def _units(tokens: Sequence[str]) -> dict[str, str]:

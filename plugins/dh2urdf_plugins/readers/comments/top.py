@@ -36,14 +36,7 @@ MAX_TITLES = 1000
 
 @dataclass(slots=True)
 class Top:
-    """Everything above the first row.
-
-    Attributes:
-        columns: the header.
-        statements: what comments declare, by key.
-        comments: the others.
-        sentences: what these declare where nothing else does.
-    """
+    """Everything above the first row: the header, what comments declare by key, the others, and sentences of these."""
 
     columns: Columns
     statements: dict[str, Node]
@@ -93,9 +86,13 @@ def read_top(
         header, place = likely, above.index(likely)
         last = above[place - 1] if place else None
         del above[place:]
-    if problem := _too_large(header):
-        raise TableError(problem)
-    if last and above and last is above[-1] and last is not header and not _too_large(last):
+    longest = max((len(text_in(cell)) for cell in header.cells), default=0)
+    if len(header.cells) > MAX_COLUMNS:
+        raise TableError(say("many-columns", header.mark, count=len(header.cells), limit=MAX_COLUMNS))
+    if longest > MAX_TEXT:
+        raise TableError(say("long-header", header.mark, count=longest, limit=MAX_TEXT))
+    is_title = last and above and last is above[-1] and last is not header and len(last.cells) <= MAX_COLUMNS
+    if last and is_title and all(len(text_in(cell)) <= MAX_TEXT for cell in last.cells):
         header = join_headers(last, header)
     header = rows.complete(header)
     texts, sentences = marked_as_left_out(header, ignore), sentences_in(comments)
@@ -121,14 +118,6 @@ def _take(row: CellRow, said: dict[str, Node], comments: list[Comment], sure: se
     if not found:
         comments.append(Comment.of(text, row.mark))
     return not found and not is_comment(text, top=True)
-
-
-def _too_large(header: CellRow) -> Problem | None:
-    """What is wrong with a header of too many columns, or one of whose cells is too long."""
-    count, longest = len(header.cells), max((len(text_in(cell)) for cell in header.cells), default=0)
-    if count > MAX_COLUMNS:
-        return say("many-columns", header.mark, count=count, limit=MAX_COLUMNS)
-    return say("long-header", header.mark, count=longest, limit=MAX_TEXT) if longest > MAX_TEXT else None
 
 
 def is_header(row: CellRow) -> bool:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.rows.source import RowSource
 
 _QUOTED = frozenset(',;\t"#')
@@ -82,16 +81,20 @@ def texts(source: RowSource, path: Path) -> Iterator[TableText]:
     top = read_top(source, Mark(file=str(path)))
     columns = source.start(top.columns)
     fields = [field if field not in ("index", "flip") else None for field in columns.fields]
-    units = _common_units(columns.units)
+    units = units_of({unit.symbol for unit in columns.units.values()})  # as those of a whole table
     if {"robot", "convention", "flip"}.intersection(filter(None, columns.fields)) or units is None:
         return
     rows = []
     for _, batch in source.batches():
         for cells in batch:
             named = zip(fields, (text_of(cell).strip(SPACES) for cell in cells), strict=False)
-            row = _row({field: text for field, text in named if field and text})
-            if row is None:
-                return
+            row: dict[str, str] = {}
+            for field, text in named:
+                if field and text:
+                    parts = split_cell(GROUPS[field], text) if field in GROUPS else {field: text}
+                    if isinstance(parts, Problem):
+                        return
+                    row |= parts
             if row:
                 rows.append(row)
     said = statements_of(top.statements, default_name=path.stem)
@@ -99,24 +102,12 @@ def texts(source: RowSource, path: Path) -> Iterator[TableText]:
         yield TableText(**{**said, **units}, rows=tuple(rows))
 
 
-def _row(cells: Mapping[str, str]) -> dict[str, str] | None:
-    """The texts of a row, those of a cell of several fields one by one; None where they cannot be told apart."""
-    row: dict[str, str] = {}
-    for field, text in cells.items():
-        parts = split_cell(GROUPS[field], text) if field in GROUPS else {field: text}
-        if isinstance(parts, Problem):
-            return None
-        row |= parts
-    return row
-
-
 def _top(table: TableText) -> dict[str, str]:
     """What comment lines say, by key, in their order."""
+    units = units_text(table) if (table.length_unit, table.angle_unit) != ("m", "rad") else ""
     said = {"name": _comment(table.name) if table.name.strip() else "", "convention": table.convention}
-    if (table.length_unit, table.angle_unit) != ("m", "rad"):
-        said["length_unit"] = units_text(table)
-    said |= {"base": table.base, "tool": table.tool, "payload": table.payload, "defaults": table.defaults}
-    return {field: text for field, text in said.items() if text.strip()}
+    said |= {"length_unit": units, "base": table.base, "tool": table.tool, "payload": table.payload}
+    return {field: text for field, text in (said | {"defaults": table.defaults}).items() if text.strip()}
 
 
 def _comment(name: str) -> str:
@@ -138,8 +129,3 @@ def _cell(text: str, *, is_name: bool) -> str:
     written = io.StringIO()
     csv.writer(written, lineterminator="", quoting=csv.QUOTE_ALL).writerow([text])
     return written.getvalue()
-
-
-def _common_units(units: Mapping[str, Unit]) -> dict[str, str] | None:
-    """The units of headers as those of a whole table; None where columns differ."""
-    return units_of({unit.symbol for unit in units.values()})

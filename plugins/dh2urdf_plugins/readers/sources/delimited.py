@@ -123,7 +123,10 @@ class CsvRows:
             if len(text) > MAX_HEADER:
                 raise TableError(say("long-header", self._mark(line.number), length=len(text), most=MAX_HEADER))
             found = delimiter_of(text, separator)
-            if found and not (line.comment and self._is_explained(line)):
+            # A header in a comment above the header itself only explains this: it names no link before.
+            below = self.lines[line.end : line.end + MAX_TITLES] if line.comment and "1" not in line.text else ()
+            first = next((each for each in below if each.strip(_EMPTY) and not is_comment(each, top=True)), "")
+            if found and not delimiter_of(first):
                 header = self.top[line.number] = line._replace(text=text)
                 break
             titles += [] if line.comment else [text]
@@ -153,12 +156,6 @@ class CsvRows:
                 text += f"\n{self.lines[number]}"
                 number += 1
             yield _Line(start, text, number, comment)
-
-    def _is_explained(self, comment: _Line) -> bool:
-        """Whether a header is in a comment above the header itself, and only explains it: it names no link before."""
-        below = self.lines[comment.end : comment.end + MAX_TITLES] if "1" not in comment.text else ()
-        line = next((line for line in below if line.strip(_EMPTY) and not is_comment(line, top=True)), "")
-        return delimiter_of(line) is not None
 
     def complete(self, header: CellRow) -> CellRow:
         """The header with a row of units, or of names under shared titles, that follows it.
@@ -197,22 +194,22 @@ class CsvRows:
         """The rows that hold anything, and the line at which each starts."""
         for lines, batch in self._records():
             plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
-            if plain and not self.joints.after_gap and not self.joints.held and not _may_be_note(batch[-1]):
+            # A line below the last joint may be a note with as many commas as a joint has.
+            may_be_note = batch and batch[-1] and batch[-1][0][:1].isalpha() and " " in batch[-1][0]
+            if plain and not self.joints.after_gap and not self.joints.held and not may_be_note:
                 yield lines, batch
                 continue
-            rows = [CellRow(cells, self._mark(line)) for line, cells in zip(lines, batch, strict=True)]
-            kept = [each for row in rows for each in self._joints(row)]
+            kept: list[CellRow] = []
+            for line, cells in zip(lines, batch, strict=True):
+                row = CellRow(cells, self._mark(line))
+                if cells == [SIGNS[0]]:
+                    self.joints.after_gap = True
+                    continue
+                if self.joints.after_gap and self.one_robot and starts_table(row):
+                    lines_of_table(self.path, None)
+                kept += self.joints.take(row)
             yield [row.mark.line or 0 for row in kept], [list(map(text_in, row.cells)) for row in kept]
         self.joints.finish()
-
-    def _joints(self, row: CellRow) -> list[CellRow]:
-        """What a line adds to the rows; refuses one that begins another table behind a gap."""
-        if row.cells == [SIGNS[0]]:
-            self.joints.after_gap = True
-            return []
-        if self.joints.after_gap and self.one_robot and starts_table(row):
-            lines_of_table(self.path, None)
-        return self.joints.take(row)
 
     def _records(self) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
         """Batches of rows, and the line at which each row starts."""
@@ -405,8 +402,3 @@ def _is_cut(line: str) -> bool:
         elif not quoted:
             begins = character in DELIMITERS or (begins and character in SPACES)
     return quoted
-
-
-def _may_be_note(cells: Sequence[str]) -> bool:
-    """Whether a line below the last joint may be a note with as many commas as a joint has."""
-    return cells[0][:1].isalpha() and " " in cells[0]

@@ -34,7 +34,7 @@ from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, flip_o
 from dh2urdf_plugins.readers.words.table_words import flow_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     from dh2urdf.documents import Item
@@ -239,7 +239,8 @@ class Document:
             what = "there is no key joints" if joints is None else f"joints is {joints.describe()}"
             raise TableError(say("no-joints", (joints or self.node).mark, field="joints", what=what))
         if isinstance(joints.value, list) and all(isinstance(row.value, list) for row in joints.value):
-            rows = [_list_row(row) for row in joints.value]
+            lists = [(row.mark, row.value if isinstance(row.value, list) else []) for row in joints.value]
+            rows = [CellRow(list(map(_text, items)), mark, [item.mark for item in items]) for mark, items in lists]
             columns = options.column_names or [node.text or "" for node in self.node.entries("columns")]
             self.meshes = [{} for _ in rows]
             return [named_columns(rows, columns, self.node.file), *rows]
@@ -249,7 +250,12 @@ class Document:
         headers = {key: value for own in values for key, value in own.items()}
         named = [each.header for each in headers.values()]
         header = CellRow(named, joints.mark, [each.key for each in headers.values()])
-        return [header, *(_row(own, headers, node.mark) for own, node in zip(values, records, strict=True))]
+        rows = [header]
+        for own, node in zip(values, records, strict=True):
+            cells, mark = [own.get(key) for key in headers], node.mark
+            marks = [cell.mark if cell else mark for cell in cells]
+            rows.append(CellRow([cell and cell.cell for cell in cells], mark, marks))
+        return rows
 
     def _records(self, joints: Node) -> Iterator[Node]:
         """The joints as mappings: of a list, of a mapping by name, or of columns."""
@@ -359,17 +365,6 @@ def _is_row_of(key: str, node: Node) -> bool:
         return _field(key) is not None
     geometry = ("a", "alpha", "d", "theta")
     return isinstance(node.value, dict) and key not in KEYS and sum(_field(k) in geometry for k in node.value) > 1
-
-
-def _row(own: Mapping[str, _Value], headers: Iterable[str], mark: Mark) -> CellRow:
-    values = [own.get(key) for key in headers]
-    marks = [value.mark if value else mark for value in values]
-    return CellRow([value and value.cell for value in values], mark, marks)
-
-
-def _list_row(row: Node) -> CellRow:
-    items = row.value if isinstance(row.value, list) else []
-    return CellRow([item.text or "" for item in items], row.mark, [item.mark for item in items])
 
 
 def _unknown_key(mapping: Node, key: str, keys: Iterable[str]) -> Problem:

@@ -362,11 +362,7 @@ def _longest_text(path: Path, name: str, groups: list[int]) -> int:
 
 
 def _refuse_one_manipulator(file: Any, path: str, robot: str | None, skipped: int) -> None:  # noqa: ANN401
-    """Refuses a file that declares more rows of one manipulator than are read.
-
-    Raises:
-        TableError: it is such a file.
-    """
+    """Refuses a file that declares more rows of one manipulator than are read."""
     if robot is None:
         count = file.metadata.num_rows - skipped
         if count > MAX_JOINTS:

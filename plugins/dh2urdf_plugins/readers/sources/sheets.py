@@ -127,7 +127,11 @@ class SheetRows:
                 if str(number) in hidden and any(cells):
                     self.filled.add(number)
         self.headers: list[CellRow] = []
-        self.headers = self._find_headers()
+        for at, row in enumerate(self):
+            if not self.headers and at > MAX_TITLES:
+                break
+            if starts_table(row) if self.headers else is_header(row):
+                self.headers.append(row)
 
     def _parser(self, kind: type[Any]) -> Any:  # noqa: ANN401 - a parser of openpyxl
         book = self.sheet.parent
@@ -140,16 +144,6 @@ class SheetRows:
             timedelta_formats=book._timedelta_formats,  # noqa: SLF001
             rich_text=True,
         )
-
-    def _find_headers(self) -> list[CellRow]:
-        """The headers: the first among the rows of the top, the others below it."""
-        found: list[CellRow] = []
-        for at, row in enumerate(self):
-            if not found and at > MAX_TITLES:
-                break
-            if starts_table(row) if found else is_header(row):
-                found.append(row)
-        return found
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows from the top.

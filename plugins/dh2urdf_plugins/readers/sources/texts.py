@@ -106,7 +106,7 @@ def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
     if (
         re.search(r"[\[{(]", text)
         and re.search(r"[\[{(]\s*[\[{(]?\s*" + _NUMBER, text)
-        and not _has_spaced_header(plain)
+        and not any(is_header(CellRow(_spaced(line, single=False), Mark(file=""))) for line in plain if "  " in line)
     ):
         return "listing"
     return "csv" if not plain or _has_delimiters(plain) else "blanks"
@@ -141,10 +141,6 @@ def fields_in(line: str, delimiter: str) -> set[str]:
     return {header.field.name for header in map(read_header, cells) if header.field}
 
 
-def _has_spaced_header(lines: Sequence[str]) -> bool:
-    return any(is_header(CellRow(_spaced(line, single=False), Mark(file=""))) for line in lines if "  " in line)
-
-
 def _has_delimiters(lines: Sequence[str]) -> bool:
     """Whether lines have tabs or semicolons, or as many commas each."""
     return any(sign in line for line in lines for sign in "\t;") or (
@@ -156,9 +152,13 @@ def _has_delimiters(lines: Sequence[str]) -> bool:
 
 
 def tables_of(text: str, file: str, form: str) -> list[TextTable]:
-    """The tables of a text that has parameters in them: those with a header, where any has one."""
+    """The tables of a text that has parameters in them: those with a header, or else those with numbers in each row."""
     found = all_tables(text, file, form)
-    return [table for table in found if any(map(is_header, table.rows))] or list(filter(_has_numbers, found))
+    counts = [
+        [sum(re.match(_NUMBER, str(cell)) is not None for cell in row.cells) for row in each.rows] for each in found
+    ]
+    numbers = [table for table, count in zip(found, counts, strict=True) if min(count) >= _FEWEST]
+    return [table for table in found if any(map(is_header, table.rows))] or numbers
 
 
 def all_tables(text: str, file: str, form: str) -> list[TextTable]:
@@ -178,12 +178,6 @@ def all_tables(text: str, file: str, form: str) -> list[TextTable]:
     return [table for table in found if table.rows]
 
 
-def _has_numbers(table: TextTable) -> bool:
-    """Whether each row of a table without a header has some numbers."""
-    counts = [sum(re.match(_NUMBER, str(cell)) is not None for cell in row.cells) for row in table.rows]
-    return min(counts, default=0) >= _FEWEST
-
-
 def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> Iterator[CellRow]:
     """The rows of a table as the grammar takes them: what is around it, a header, and its rows."""
     head = next((row for row in table.rows if is_header(row)), None)
@@ -197,13 +191,16 @@ def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> 
     if columns:
         raise TableError(say("two-headers", head.mark, field="columns"))
     texts = [re.sub(_MIXED, "", str(cell)) for cell in head.cells]  # bounds in both units have those of the others
-    poses = list(filter(_is_pose, table.around))
-    if poses or texts != list(head.cells):
-        yield from _units(texts, head.mark)
+    headers, poses = list(map(read_header, texts)), list(filter(_is_pose, table.around))
+    if poses or texts != list(head.cells):  # which have the units of the header
+        units = dict.fromkeys(header.unit for header in headers if header.unit and is_unit(header.unit))
+        yield from [CellRow([f"# units: [{', '.join(units)}]"], head.mark)] if units else ()
     for row in poses:
         match = re.fullmatch(_POSE, str(row.cells[0]), re.IGNORECASE)
         yield CellRow([f"# {match[1].lower()}: {match[2]}" if match else None], row.mark)
-    first = _numbers_some(head, rows[1:])
+    # A first column that numbers the joints that move, and no others, is left out.
+    field = headers[0].field
+    first = field is not None and field.name == "index" and not all(row.cells and row.cells[0] for row in rows[1:])
     yield CellRow(texts[first:], head.mark, (head.marks or [])[first:])
     for row in rows[1:]:
         yield row if not first else CellRow(row.cells[first:], row.mark, (row.marks or [])[first:])
@@ -227,20 +224,6 @@ def _is_pose(row: CellRow) -> bool:
     return re.fullmatch(_POSE, str(row.cells[0]), re.IGNORECASE) is not None
 
 
-def _units(headers: Sequence[str], mark: Mark) -> Iterator[CellRow]:
-    """The units of a header as those of the whole table, which poses and bounds have too."""
-    found = dict.fromkeys(header.unit for header in map(read_header, headers) if header.unit and is_unit(header.unit))
-    if found:
-        yield CellRow([f"# units: [{', '.join(found)}]"], mark)
-
-
-def _numbers_some(head: CellRow, rows: Sequence[CellRow]) -> bool:
-    """Whether the first column numbers the joints that move, and no others."""
-    field = read_header(str(head.cells[0])).field
-    numbers = [bool(row.cells and row.cells[0]) for row in rows]
-    return field is not None and field.name == "index" and not all(numbers)
-
-
 def _comment(line: str, mark: Mark) -> list[CellRow]:
     """A line around a table as a comment; none where it holds nothing."""
     text = " ".join(line.strip().lstrip("#%/ ").split())
@@ -248,13 +231,9 @@ def _comment(line: str, mark: Mark) -> list[CellRow]:
         return []
     if pose := re.fullmatch(_POSE, text.replace("`", "").replace("\\", ""), re.IGNORECASE):
         return [CellRow([f"{pose[1]}: {pose[2]}"], mark)]
-    text = text if _is_statement(text) else plain_text(text)
+    is_statement = text.partition(":")[0].strip().casefold() in STATEMENTS  # which is YAML
+    text = text if is_statement else plain_text(text)
     return [CellRow([f"# {text}"], mark)] if any(map(str.isalnum, text)) else []
-
-
-def _is_statement(text: str) -> bool:
-    """Whether a line declares something under a key, as YAML."""
-    return text.partition(":")[0].strip().casefold() in STATEMENTS
 
 
 def _row(cells: Sequence[str], mark: Mark) -> CellRow:
@@ -336,12 +315,18 @@ def _around_latex(text: str, file: str) -> list[CellRow]:
 
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:
-    """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
+    """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``.
+
+    Raises:
+        TableError: a program changes the numbers of an array behind the brackets, or before them.
+    """
     lines = text.split("\n")
     comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(_MARKERS)]
     around = [row for at, line in comments for row in _comment(line, Mark(file=file, line=at))]
     code = "\n".join(re.sub(r"(?:#|//|%).*", "", line) for line in lines)
-    _refuse_changed(code, file)
+    if found := re.search(_CHANGED, code):
+        mark = Mark(file=file, line=code.count("\n", 0, found.start()) + 1)
+        raise TableError(say("changed-by-a-program", mark, found=found[0].strip()))
     tables: list[list[CellRow]] = []
     end, line = 0, 1
     for group in re.finditer(_GROUP, code):
@@ -351,7 +336,8 @@ def _listing(text: str, file: str) -> Iterator[TextTable]:
             parts = re.findall(r"\(([^()]*)\)", inner)
         else:
             parts = re.split(r"[;\n]", inner.replace("...", "")) if ";" in inner or "," not in inner else [inner]
-        cut = [[cell.strip("'\" ") for cell in _items(part)] for part in parts if part.strip(" \t,")]
+        items = [part.strip().strip(",").split("," if "," in part else None) for part in parts if part.strip(" \t,")]
+        cut = [[cell.strip("'\" ") for cell in each] for each in items]
         rows = [_row(cells, Mark(file=file, line=line)) for cells in cut if len(cells) > 1]
         line += inner.count("\n")
         if rows:
@@ -365,17 +351,6 @@ def _listing(text: str, file: str) -> Iterator[TextTable]:
         yield TextTable([header, *rows] if header else rows, around)
 
 
-def _refuse_changed(code: str, file: str) -> None:
-    """Refuses an array whose numbers a program changes behind the brackets, or before them.
-
-    Raises:
-        TableError: it does.
-    """
-    if found := re.search(_CHANGED, code):
-        mark = Mark(file=file, line=code.count("\n", 0, found.start()) + 1)
-        raise TableError(say("changed-by-a-program", mark, found=found[0].strip()))
-
-
 def _names(comment: str, width: int, file: str) -> CellRow | None:
     """A comment that names the columns of a table of numbers: ``# theta, d, a, alpha``."""
     text = comment.strip().lstrip("#%/ ").strip("[]() ")
@@ -384,11 +359,6 @@ def _names(comment: str, width: int, file: str) -> CellRow | None:
         if len(cells) == width and is_header(row) and all(read_header(str(cell)).field for cell in row.cells):
             return row
     return None
-
-
-def _items(text: str) -> list[str]:
-    """The items of a row: by commas, or by blanks where there are none."""
-    return text.strip().strip(",").split("," if "," in text else None)
 
 
 def _blanks(lines: Sequence[str], file: str) -> TextTable:

@@ -61,26 +61,22 @@ def table_schema() -> dict[str, Any]:
     defaults["patternProperties"] = joint["patternProperties"]
     table["properties"]["convention"] |= _words(words_for("conventions"))
     table["properties"]["units"]["anyOf"][0]["properties"] = {key: _unit_words(key) for key in UNIT_KEYS}
-    table["allOf"] = [_everywhere(name) for name in REQUIRED]
+    table["allOf"] = []
+    for name in REQUIRED:  # which every joint has, unless the defaults have it
+        some_form = {"patternProperties": {header_pattern(FIELDS[name]): False}}  # valid where no such key is
+        missing = {"properties": {"joints": {"items": {"not": some_form}}}}
+        table["allOf"].append({"if": {"properties": {"defaults": some_form}}, "then": missing})
     known["type"]["anyOf"][0] = _words(words_for("types"))
     known["geometry"]["properties"]["shape"] = {"enum": list(SHAPES)}
     return schema
 
 
-def _everywhere(name: str) -> dict[str, Any]:
-    """A field that every joint has, unless the defaults have it."""
-    some_form = {"patternProperties": {header_pattern(FIELDS[name]): False}}  # valid where no such key is
-    return {
-        "if": {"properties": {"defaults": some_form}},
-        "then": {"properties": {"joints": {"items": {"not": some_form}}}},
-    }
-
-
 def _unit_words(key: str) -> dict[str, Any]:
     """A unit, or one for each of the dimensions that a key has."""
     known = [word for word, unit in UNITS.items() if unit.dimension in UNIT_KEYS[key]]
-    forms = "|".join(_BETWEEN_FACTORS.join(map(_any_form_of_letter, word)) for word in known)
-    words = {"type": "string", "pattern": f"^\\s*({forms.replace('/s', '/s(ec)?')})\\s*$", "examples": known}
+    letters = ([_OTHER_FORMS.get(letter) or _any_case(letter) for letter in word] for word in known)
+    forms = "|".join(map(_BETWEEN_FACTORS.join, letters)).replace("/s", "/s(ec)?")
+    words = {"type": "string", "pattern": f"^\\s*({forms})\\s*$", "examples": known}
     several = len(UNIT_KEYS[key])
     return {"anyOf": [words, {"type": "array", "items": words, "maxItems": several}]} if several > 1 else words
 
@@ -123,7 +119,3 @@ def _any_case(letter: str) -> str:
     plain = unicodedata.normalize("NFD", letter)[0]
     forms = sorted({form for each in (letter, plain) for form in (each, each.upper(), each.lower())})
     return f"[{''.join(forms)}]" if len(forms) > 1 else re.sub(r"([.^$*+?()|{}\[\]\\])", r"\\\1", letter)
-
-
-def _any_form_of_letter(letter: str) -> str:
-    return _OTHER_FORMS.get(letter) or _any_case(letter)

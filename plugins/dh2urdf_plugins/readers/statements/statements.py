@@ -268,14 +268,11 @@ def words_of_units(node: Node) -> list[Cell]:
 
 
 def unit_words(text: str) -> list[str]:
-    """The units that a text names."""
-    return [word for part in re.split("[,;]", text) if part.strip() for word in _units_of(part.strip())]
-
-
-def _units_of(part: str) -> list[str]:
-    """The units of a part: one, or several with spaces, with a slash as in ``mm/deg`` or with a word between them."""
-    if is_unit(part):
-        return [part]
-    several = re.split(_BETWEEN, part)
-    units = [UNITS.get(unit_word(word)) for word in several]
-    return several if all(unit and unit.dimension in _OF_SI for unit in units) else part.split()
+    """The units that a text names, also several with spaces, a slash as in ``mm/deg`` or a word between them."""
+    found: list[str] = []
+    for part in filter(None, map(str.strip, re.split("[,;]", text))):
+        several = re.split(_BETWEEN, part)
+        units = [UNITS.get(unit_word(word)) for word in several]
+        are_units = all(unit and unit.dimension in _OF_SI for unit in units)
+        found += [part] if is_unit(part) else several if are_units else part.split()
+    return found

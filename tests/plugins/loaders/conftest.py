@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
+from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.plugin_system import load as load_catalog
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.formats import urdf
@@ -17,6 +21,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from dh2urdf.stages import LoadReport
+
+CATALOG = load_catalog()
 HEIGHT, UPPER_ARM, FOREARM = 0.3, 0.4, 0.35
 
 # An arm in a vertical plane, written by hand: joints 1 and 2 turn about y, joint 3 draws the forearm out along x,
@@ -29,17 +36,10 @@ URDF = """<?xml version="1.0"?>
     <child link="base_link_inertia"/>
   </joint>
   <link name="base_link_inertia">
-    <inertial>
-      <mass value="3"/>
-      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.02"/>
-    </inertial>
+    <inertial><mass value="3"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.02"/></inertial>
     <visual>
-      <geometry>
-        <cylinder radius="0.06" length="0.04"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
+      <geometry><cylinder radius="0.06" length="0.04"/></geometry>
+      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
     </visual>
   </link>
   <joint name="shoulder" type="revolute">
@@ -57,18 +57,12 @@ URDF = """<?xml version="1.0"?>
     </inertial>
     <visual>
       <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry>
-        <cylinder radius="0.04" length="0.4"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
+      <geometry><cylinder radius="0.04" length="0.4"/></geometry>
+      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
     </visual>
     <collision>
       <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry>
-        <cylinder radius="0.04" length="0.3"/>
-      </geometry>
+      <geometry><cylinder radius="0.04" length="0.3"/></geometry>
     </collision>
   </link>
   <joint name="elbow" type="revolute">
@@ -79,18 +73,11 @@ URDF = """<?xml version="1.0"?>
     <limit lower="-2" upper="2" effort="30" velocity="3"/>
   </joint>
   <link name="forearm">
-    <inertial>
-      <mass value="1"/>
-      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>
-    </inertial>
+    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
     <visual>
       <origin xyz="0.2 0 0"/>
-      <geometry>
-        <box size="0.4 0.06 0.06"/>
-      </geometry>
-      <material name="blue">
-        <color rgba="0.1 0.2 0.6 1"/>
-      </material>
+      <geometry><box size="0.4 0.06 0.06"/></geometry>
+      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
     </visual>
   </link>
   <joint name="slide" type="prismatic">
@@ -101,15 +88,8 @@ URDF = """<?xml version="1.0"?>
     <limit lower="0.05" upper="0.2" effort="50" velocity="0.5"/>
   </joint>
   <link name="slider">
-    <inertial>
-      <mass value="0.5"/>
-      <inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/>
-    </inertial>
-    <collision>
-      <geometry>
-        <cylinder radius="0.03" length="0.1"/>
-      </geometry>
-    </collision>
+    <inertial><mass value="0.5"/><inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/></inertial>
+    <collision><geometry><cylinder radius="0.03" length="0.1"/></geometry></collision>
   </link>
   <joint name="wrist" type="continuous">
     <parent link="slider"/>
@@ -118,20 +98,14 @@ URDF = """<?xml version="1.0"?>
     <limit effort="10" velocity="6"/>
   </joint>
   <link name="hand">
-    <inertial>
-      <mass value="0.2"/>
-      <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/>
-    </inertial>
+    <inertial><mass value="0.2"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial>
   </link>
   <joint name="hand-tool0" type="fixed">
     <parent link="hand"/>
     <child link="tool0"/>
   </joint>
   <link name="tool0">
-    <inertial>
-      <mass value="0"/>
-      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
-    </inertial>
+    <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
   </link>
 </robot>
 """
@@ -249,6 +223,33 @@ class PlanarArm(NamedTuple):
     poses: tuple[tuple[float, ...], ...]
     expected: tuple[tuple[float, ...], ...]
     reach: float
+
+    @property
+    def for_mujoco(self) -> str:
+        """The text with what keeps MuJoCo from fusing its fixed links."""
+        kept = '"planar"><mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco>'
+        return self.urdf.replace('"planar">', kept)
+
+    def with_joint(self, name: str, **changes: Any) -> Robot:
+        """The robot with something else about a joint."""
+        joints = tuple(replace(each, **changes) if each.name == name else each for each in self.robot.joints)
+        return replace(self.robot, joints=joints)
+
+    def with_effort(self, effort: float) -> Robot:
+        """The robot with another effort of its shoulder, which has 60 N·m."""
+        return self.with_joint("shoulder", limits=replace(self.robot.moving_joints[0].limits, effort=effort))
+
+
+@pytest.fixture
+def run(require_loaders: Callable[..., None]) -> Callable[..., LoadReport]:
+    """The report of a loader: as of a run, or from this process."""
+
+    def run(name: str, request: LoadRequest, *, here: bool = False, **options: Any) -> LoadReport:
+        require_loaders(name)
+        loader = CATALOG.get("loader", name)
+        return (loader.open if here else partial(load_in_child, loader))(request, loader.options(**options))
+
+    return run
 
 
 @pytest.fixture(scope="session")

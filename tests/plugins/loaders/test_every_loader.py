@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from conftest import Answer, ReferenceRobot
 
-    from dh2urdf.robot import Robot
     from dh2urdf.stages import Finding, Loader, LoadReport, LoadRequest
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -62,9 +61,7 @@ def subject(
     loader, urdf = CATALOG.get("loader", request.param), planar.urdf
     if request.param == "mujoco":
         monkeypatch.setenv("MUJOCO_GL", "disable")  # It would set this itself, in this process.
-        urdf = urdf.replace(
-            '"planar">', '"planar"><mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco>'
-        )
+        urdf = planar.for_mujoco
     if request.param == "coppeliasim":
         pytest.importorskip("coppeliasim_zmqremoteapi_client")
         monkeypatch.syspath_prepend(Path(__file__).parent)
@@ -102,36 +99,16 @@ def surprises(report: LoadReport) -> list[Finding]:
 # --- The right arm ----------------------------------------------------------------------------------------------------
 
 
-class Bounds(NamedTuple):
-    """What a loader may be off, of the planar arm.
-
-    Attributes:
-        simulator: what it calls itself.
-        position: of tool0 [m].
-        angle: of tool0 [rad].
-        tolerance: the tolerance that it states itself, at most [m].
-        mass: of all links [kg].
-        inertia: of any link [kg·m²].
-    """
-
-    simulator: str
-    position: float
-    angle: float
-    tolerance: float
-    mass: float
-    inertia: float
-
-
 BOUNDS = {
-    "pybullet": Bounds("PyBullet", 6e-7, 2e-6, 6e-7, 0.0, 1e-8),
-    "mujoco": Bounds("MuJoCo", 1e-13, 1e-13, 1.2e-12, 0.0, 1e-15),
-    "pinocchio": Bounds("Pinocchio", 1e-13, 1e-13, 1.2e-12, 0.0, 1e-16),
-    "drake": Bounds("Drake", 1e-14, 1e-14, 1e-11, 0.0, 1e-16),
-    "gazebo": Bounds("sdformat", 1e-14, 1e-14, 1e-11, 1e-14, 1e-15),
-    "coppeliasim": Bounds("CoppeliaSim", 1e-12, 1e-12, 2e-6, 0.0, 1e-14),
+    "pybullet": ("PyBullet", 6e-7, 2e-6, 6e-7, 0.0, 1e-8),
+    "mujoco": ("MuJoCo", 1e-13, 1e-13, 1.2e-12, 0.0, 1e-15),
+    "pinocchio": ("Pinocchio", 1e-13, 1e-13, 1.2e-12, 0.0, 1e-16),
+    "drake": ("Drake", 1e-14, 1e-14, 1e-11, 0.0, 1e-16),
+    "gazebo": ("sdformat", 1e-14, 1e-14, 1e-11, 1e-14, 1e-15),
+    "coppeliasim": ("CoppeliaSim", 1e-12, 1e-12, 2e-6, 0.0, 1e-14),
 }
-WITHOUT_MASS = {"coppeliasim": 1.0}
-"""What a link without mass weighs all the same [kg]."""
+"""What a loader calls itself, and what it may be off of the planar arm: the position of tool0 [m], its angle [rad], the
+tolerance that the loader states itself [m], the mass of all links [kg], and the inertia of any [kg·m²]."""
 
 
 @pytest.mark.parametrize("subject", EVERY, indirect=True)
@@ -139,23 +116,18 @@ def test_the_right_arm_is_confirmed(
     subject: Subject, run: Callable[..., LoadReport], request_for: Callable[..., LoadRequest], planar: Any
 ) -> None:
     """It has its poses, masses and joints in the simulator, within what the loader states, and nothing is found."""
-    report, bounds = run(request_for(subject.urdf)), BOUNDS[subject.loader.name]
-    assert (report.simulator, report.poses) == (bounds.simulator, len(planar.poses))
+    report: Any = run(request_for(subject.urdf))
+    simulator, position, angle, tolerance, mass, inertia = BOUNDS[subject.loader.name]
+    assert (report.simulator, report.poses, report.picture) == (simulator, len(planar.poses), None)
     assert report.q in planar.poses
     assert surprises(report) == []
-    assert report.position_error is not None
-    assert report.tolerance is not None
-    assert report.angle_error is not None
-    assert report.angle_tolerance is not None
-    assert report.inertia_error is not None
-    assert report.position_error < min(bounds.position, report.tolerance)
-    assert report.angle_error < min(bounds.angle, report.angle_tolerance)
-    assert report.tolerance < bounds.tolerance
-    assert report.mass == pytest.approx(6.7 + WITHOUT_MASS.get(subject.loader.name, 0.0), rel=1e-15)
-    assert report.mass_error is not None
-    assert report.mass_error <= bounds.mass
-    assert report.inertia_error < bounds.inertia
-    assert report.picture is None
+    assert report.position_error < min(position, report.tolerance)
+    assert report.angle_error < min(angle, report.angle_tolerance)
+    assert report.tolerance < tolerance
+    without_mass = 1.0 if subject.loader.name == "coppeliasim" else 0.0  # it weighs all the same
+    assert report.mass == pytest.approx(6.7 + without_mass, rel=1e-15)
+    assert report.mass_error <= mass
+    assert report.inertia_error < inertia
     if subject.loader.name in ("mujoco", "pinocchio", "drake"):
         assert report.output == ""
 
@@ -169,15 +141,8 @@ def test_joints_are_those_of_the_simulator(
     name = subject.loader.name
     effort = {} if name == "drake" else {"effort": 60.0}
     velocity = None if name == "mujoco" else 3.0
-    assert shoulder == {
-        "name": "shoulder",
-        "type": "revolute",
-        "axis": (0.0, 1.0, 0.0),
-        "lower": -2.0,
-        "upper": 2.5,
-        "velocity": velocity,
-        **effort,
-    }
+    about = {"name": "shoulder", "type": "revolute", "axis": (0.0, 1.0, 0.0), "lower": -2.0, "upper": 2.5}
+    assert shoulder == {**about, "velocity": velocity, **effort}
     assert elbow["name"] == "elbow"
     assert (slide["type"], slide["axis"], slide["lower"]) == ("prismatic", (1.0, 0.0, 0.0), 0.05)
     assert slide["upper"] == pytest.approx(0.2, rel=1e-15)
@@ -239,25 +204,20 @@ def test_another_arm_is_refused(
 
 
 @pytest.mark.parametrize("subject", HERE, indirect=True)
-def test_a_refusal_comes_from_a_child(
+def test_a_file_is_read_anew(
     subject: Subject, run: Callable[..., LoadReport], request_for: Callable[..., LoadRequest]
 ) -> None:
-    """As of a run: the error of the child's is raised here, with the arm's name."""
+    """By a child that has loaded it before: another arm is refused, and the right one passes again as before."""
+    report = run(request_for(subject.urdf))
     with pytest.raises(LoaderError, match=r"tool0 in another place, 0\.001 m") as caught:
         run(request_for(subject.urdf.replace('xyz="0.4 0 0"', 'xyz="0.401 0 0"', 1)))
     assert caught.value.problems[0].robot == "planar"
+    assert run(request_for(subject.urdf)) == report
 
 
 @pytest.mark.parametrize(
     ("subject", "message"),
-    [
-        ("pybullet", "PyBullet cannot load the file"),
-        ("mujoco", "MuJoCo cannot load the file"),
-        ("pinocchio", "Pinocchio cannot load the file"),
-        ("drake", "Drake cannot load the file"),
-        ("gazebo", "does not exist"),
-        ("coppeliasim", "cannot be read"),
-    ],
+    [(name, {"gazebo": "does not exist", "coppeliasim": "cannot be read"}.get(name, "cannot load")) for name in EVERY],
     indirect=["subject"],
 )
 def test_a_missing_file_is_refused(
@@ -270,15 +230,6 @@ def test_a_missing_file_is_refused(
 
 
 # --- The hold test ----------------------------------------------------------------------------------------------------
-
-
-def with_effort(robot: Robot, effort: float) -> Robot:
-    """The robot with another effort of its shoulder, which has 60 N·m."""
-    joints = (replace(each, limits=replace(each.limits, effort=effort)) for each in robot.joints)
-    return replace(
-        robot,
-        joints=tuple(new if new.name == "shoulder" else old for old, new in zip(robot.joints, joints, strict=True)),
-    )
 
 
 @pytest.mark.parametrize("subject", MOVING, indirect=True)
@@ -299,7 +250,7 @@ def test_a_weak_arm_does_not_stay(
     subject: Subject, run: Callable[..., LoadReport], request_for: Callable[..., LoadRequest], planar: Any
 ) -> None:
     """An arm whose efforts are below its weight sinks in the hold test; that is a finding, not a failure."""
-    report = run(request_for(subject.urdf.replace('effort="60"', 'effort="1"'), with_effort(planar.robot, 1.0)))
+    report = run(request_for(subject.urdf.replace('effort="60"', 'effort="1"'), planar.with_effort(1.0)))
     assert (report.hold["stayed"], report.hold["joint"]) == (False, "shoulder")
     assert report.hold["largest_displacement"] > 0.5
     (finding,) = [each for each in report.findings if "did not stay in place" in each.message]
@@ -341,9 +292,9 @@ def test_published_arms_are_confirmed(
     Every arm is loaded by `tests/test_simulator_matrix.py`, in the format that the loader prefers. Here are three of
     those whose link frames are turned in the most ways, and of those with a rail.
     """
-    for name in ("rtb_Panda", "rtb_Stanford", "threelink3d_oblique"):
+    for name, frames in (("rtb_Panda", "dh"), ("rtb_Stanford", "aligned"), ("threelink3d_oblique", "dh")):
         (robot,) = [each for each in reference_robots if each.id == name]
-        report = run(published_request(robot))
+        report = run(published_request(robot, frames=frames))
         assert report.poses == len(robot.q)
         assert report.hold.get("stayed") is (None if subject.loader.name == "gazebo" else True)
         assert [each for each in surprises(report) if "overlap" not in each.message] == []

@@ -9,19 +9,9 @@ from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.measuring import pose_error, reach
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
-from dh2urdf_plugins.loaders.measures import (
-    carriers,
-    clipped,
-    hold_start,
-    lumped_bodies,
-    touching_pairs,
-)
+from dh2urdf_plugins.loaders.measures import carriers, lumped_bodies, touching_pairs
 
 angles = st.floats(-3.1, 3.1)
-
-
-def joint(name: str, kind: JointType, *, lower: float | None = None, upper: float | None = None) -> Joint:
-    return Joint(name=name, type=kind, parent="a", child="b", limits=Limits(lower=lower, upper=upper))
 
 
 def chain(*kinds: JointType) -> Robot:
@@ -43,20 +33,6 @@ def chain(*kinds: JointType) -> Robot:
             for kind, parent, child in zip(kinds, names, names[1:], strict=False)
         ),
     )
-
-
-@pytest.mark.parametrize(
-    ("lower", "upper", "nearest"), [(-1.0, 1.0, 0.0), (0.2, 1.0, 0.2), (-1.0, -0.2, -0.2), (None, None, 0.0)]
-)
-def test_value_is_clipped_into_the_limits(lower: float | None, upper: float | None, nearest: float) -> None:
-    """The hold test starts at the value nearest to 0 that the limits allow; a continuous joint has none."""
-    assert clipped(joint("j", JointType.REVOLUTE, lower=lower, upper=upper), 0.0) == nearest
-
-
-def test_hold_test_starts_inside_the_limits() -> None:
-    """The start has one value per moving joint."""
-    robot = chain(JointType.REVOLUTE, JointType.FIXED, JointType.CONTINUOUS, JointType.PRISMATIC)
-    assert hold_start(robot) == (0.0, 0.0, 0.0)
 
 
 def test_reach_counts_offsets_and_rails() -> None:

@@ -8,83 +8,42 @@ from typing import Any
 
 import pytest
 
-from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.isolation.loads import load_in_child
-from dh2urdf.stages import Loader, ReadsOutput
-from dh2urdf_plugins.loaders.gazebo import find_command
-from dh2urdf_plugins.loaders.simulators import LOADERS
+from dh2urdf.errors import LoaderError
+from dh2urdf.plugin_system import load
+from dh2urdf.stages import ReadsOutput
 
-MODULES = {"pinocchio": "pinocchio", "drake": "pydrake", "mujoco": "mujoco", "pybullet": "pybullet"}
-KEPT = '<robot name="planar">\n  <mujoco>\n    <compiler fusestatic="false" discardvisual="false"/>\n  </mujoco>'
-
-
-def loader_of(name: str) -> Loader[Any]:
-    """The loader of a simulator that is installed."""
-    if name in MODULES:
-        pytest.importorskip(MODULES[name])
-    else:
-        try:
-            find_command()
-        except MissingProgramError as error:
-            pytest.skip(str(error))
-    return next(each for each in LOADERS if each.name == name)
-
-
-SHOULDER, ELBOW = '<limit lower="-2" upper="2.5" effort="60" velocity="3"/>', 'name="elbow"'
+CATALOG = load()
+ELBOW, AXIS, NO_AXIS = 'name="elbow"', '<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>'
+LIMIT = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
 INERTIA = '<inertia ixx="0.004" ixy="0.0003" ixz="0.0001" iyy="0.03" iyz="-0.0002" izz="0.031"/>'
-AXIS, NO_AXIS, BOX = '<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', '<box size="0.4 0.06 0.06"/>'
-LOOP = ('<parent link="base_link_inertia"/>', '<parent link="hand"/>')
 FAULTY = {
     "pinocchio": [
-        (SHOULDER, "", "Pinocchio cannot load the file.*does not specify limits"),
-        (' effort="60"', "", "no effort"),
-        (ELBOW, 'name="shoulder"', "is not unique"),
-        ('<link name="hand">', '<link name="slider">', "is not unique"),
-        ("</robot>", '<link name="other"/></robot>', "Two root links"),
+        (' effort="60"', "", "Pinocchio cannot load the file.*no effort"),
         ("<robot ", "<", "XML"),
         (INERTIA, "", "another inertia of the link 'upper_arm'.*printed 'Inertial element must have inertia element'"),
     ],
     "drake": [
-        (ELBOW, 'name="shoulder"', "names must be unique"),
-        ('name="hand"', 'name="slider"', "names must be unique"),
         ('lower="-2" upper="2.5"', 'lower="2.5" upper="-2"', "pos_lower_limits.* failed"),  # SystemExit
-        (AXIS, NO_AXIS, "line 26: .*axis is zero"),
-        (BOX, BOX.replace("0.06", "0", 1), "Box.* failed"),
+        (AXIS, NO_AXIS, "line 19: .*axis is zero"),
         ("</robot>", '<link name="second_root"/>\n</robot>', "cannot simulate the arm: .*second_root"),
-        (*LOOP, "loops"),
-        ("</robot>", "", "line .*Failed to parse XML"),
-        (BOX, '<mesh filename="nowhere.obj"/>', "nowhere.obj.*does not exist"),
-        ('iyy="0.03"', 'iyy="0.3"', "another inertia.*Drake printed 'line 30: warning: While parsing inertia matrix"),
+        ('iyy="0.03"', 'iyy="0.3"', "another inertia.*Drake printed 'line 23: warning: While parsing inertia matrix"),
     ],
     "gazebo": [
         (ELBOW, 'name="shoulder"', "cannot convert.*'shoulder' is not unique"),
-        ('upper="2" effort="30"', 'upper="2"', "cannot convert.*no effort"),
-        ('iyy="0.03"', 'iyy="0.3"', "finds the file invalid.*upper_arm has invalid inertia"),
         (AXIS, NO_AXIS, "finds the file invalid.*norm of the xyz vector"),
-        (ELBOW, 'name="forearm"', "finds the file invalid.*name collision"),
-        ("</robot>", '<link name="other"/>\n</robot>', "cannot convert.*Two root links"),
-        ("</robot>", "", "cannot convert.*Error parsing XML"),
         # What it drops in silence, with all that hangs on it:
         ('<mass value="1"/>', '<mass value="0"/>', "lost the joint.*lost the link 'forearm'.*'slider'.*'hand'"),
-        (*LOOP, "lost the joint"),
     ],
     "mujoco": [
-        (
-            'mass value="2"',
-            'mass value="0"',
-            "cannot load the file: .*mass and inertia of moving bodies must be larger",
-        ),
-        ('ixx="0.004"', 'ixx="0.4"', r"inertia must satisfy A \+ B >= C"),
-        (AXIS, NO_AXIS, "axis too small"),
-        (BOX, BOX.replace("0.4", "0"), "must be positive"),
-        ('<link name="hand">', '<link name="slider">', "repeated"),
+        ('mass value="2"', 'mass value="0"', "cannot load the file: .*mass and inertia of moving bodies"),
         ('<child link="tool0"/>', '<child link="upper_arm"/>', "multiple parents"),
         ("<robot ", "<", "XML"),
     ],
     "pybullet": [
         (
-            *('<limit lower="-2" upper="2" effort="30" velocity="3"/>', ""),
-            "cannot load the file.*'Joint is of type REVOLUTE but it does not specify limits: elbow'.*'joint xml is not",
+            LIMIT,
+            "",
+            "cannot load.*'Joint is of type REVOLUTE but it does not specify limits: elbow'.*'joint xml is not",
         ),
     ],
 }
@@ -94,14 +53,13 @@ FAULTY = {
     ("name", "written", "instead", "said"), [(name, *each) for name, table in FAULTY.items() for each in table]
 )
 def test_a_faulty_file_is_refused_in_the_words_of_the_simulator(
-    request_for: Any, planar: Any, *, name: str, written: str, instead: str, said: str
+    run: Any, request_for: Any, planar: Any, *, name: str, written: str, instead: str, said: str
 ) -> None:
     """What it raises, what makes it leave the interpreter, what it loses in silence; what it printed follows."""
-    loader = loader_of(name)
-    text = planar.urdf.replace('<robot name="planar">', KEPT) if name == "mujoco" else planar.urdf
+    text = planar.for_mujoco if name == "mujoco" else planar.urdf
     assert written in text
     with pytest.raises(LoaderError) as caught:
-        load_in_child(loader, request_for(text.replace(written, instead, 1)), loader.options())
+        run(name, request_for(text.replace(written, instead, 1)))
     message = str(caught.value)
     assert re.search(said, message, re.DOTALL), message
     assert "\x1b" not in message
@@ -162,7 +120,7 @@ PRINTED = {
 @pytest.mark.parametrize("case", PRINTED)
 def test_what_is_printed_becomes_findings(request_for: Any, case: str) -> None:
     """Each message once, with all its lines, as severe as the simulator says; what is said of a good file is none."""
-    loader, request = loader_of(case.partition(",")[0]), request_for()
+    loader, request = CATALOG.get("loader", case.partition(",")[0]), request_for()
     output, findings = PRINTED[case]
     reads = loader.can(ReadsOutput)
     assert reads is not None

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 FRAMES = st.sampled_from(["aligned", "dh"])
 SHAPES = ["cylinder", "box", "capsule", "arm"]
 QUARTERS = [quarters * HALF_PI for quarters in (0, 1, -1, 2, -2, 3)]
-BAD_NUMBERS = [math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300, -1e-3, 5e-324, 1.5708, 3.14]
 
 
 def _lengths(r: Random, count: int, *, least: float = -0.8) -> list[float]:
@@ -291,26 +290,3 @@ class TestWhatIsSure:
         assert groups is not None
         assert sorted(len(places) for places, _ in groups) == [20, 40]
         assert sorted(made(tables, AlphaSwapOptions())) == list(range(60))
-
-
-def _spoilt(table: Manipulator, draw: Callable[..., Any]) -> Manipulator:
-    """A table with one number that it should not have."""
-    number = draw(st.integers(0, len(table.rows) - 1))
-    row = table.rows[number]
-    value = draw(st.sampled_from(BAD_NUMBERS))
-    numbers = [
-        name
-        for name in ("a", "alpha", "d", "theta", "offset", "mass", "radius", "damping")
-        if getattr(row, name) is not None
-    ]
-    limits = [name for name in ("lower", "upper", "velocity", "effort") if getattr(row.limits, name) is not None]
-    name = draw(st.sampled_from([*numbers, *limits, *(["inertia", "com"] if row.inertia and row.com else [])]))
-    if name == "inertia":
-        spoilt = replace_unchecked(row, inertia=replace(row.inertia, izz=value))
-    elif name == "com":
-        spoilt = replace_unchecked(row, com=(0.0, value, 0.0))
-    elif name in limits:
-        spoilt = replace_unchecked(row, limits=replace(row.limits, **{name: value}))
-    else:
-        spoilt = replace_unchecked(row, **{name: value})
-    return replace_unchecked(table, rows=(*table.rows[:number], spoilt, *table.rows[number + 1 :]))

@@ -20,39 +20,32 @@ from dh2urdf.documents import is_file
 from dh2urdf.kinematics.mass import inertia_problem
 from dh2urdf.manipulator import Inertia
 from dh2urdf.source import did_you_mean, listed, shown
-from dh2urdf_check.document.tree import numbers_of
-from dh2urdf_check.numbers import drake_numbers, mujoco_numbers, urdfdom_numbers
+from dh2urdf_check.numbers import READ_BY, begun_numbers, mujoco_numbers, numbers_of
+from dh2urdf_check.rules import At, Hit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf_check.rules import Case, Rule
 
 _SLOT = re.compile(r"\{([^{}]+)\}")
 _FEW = 4
-
-
-class Hit(NamedTuple):
-    """A place where a rule is broken.
-
-    Attributes:
-        rule: its name.
-        at: the element.
-        message: what is there.
-        of: the consumers that it matters to.
-    """
-
-    rule: str
-    at: etree._Element
-    message: str
-    of: frozenset[str]
+_UNQUOTED = ("name(", "moments(", "implausible(", "mesh(")
+"""Functions whose texts are words of ours."""
 
 
 class Place(NamedTuple):
-    """What a verb finds: an element, and words for the message that no XPath has."""
+    """What a verb finds.
 
-    at: etree._Element
+    Attributes:
+        at: an element, or the line and column of a text.
+        words: words for the message that no XPath has.
+        others: what else the finding is about.
+    """
+
+    at: At
     words: Mapping[str, str] = {}
+    others: Sequence[etree._Element] = ()
 
 
 class Document:
@@ -61,6 +54,7 @@ class Document:
     Attributes:
         root: its outermost element.
         path: its file.
+        text: its text with blanks in comments, a letter a byte; empty where no rule asks for it.
 
     Args:
         root: its outermost element.
@@ -76,19 +70,21 @@ class Document:
         functions: Mapping[str, Callable[..., Any]] | None = None,
         place: Callable[[etree._Element], str] = lambda at: f"line {at.sourceline}",
     ) -> None:
-        self.root, self.path, self.place = root, path, place
+        self.root, self.path, self.place, self.text = root, path, place, ""
         plain = {"there": lambda _, address: is_file(path.parent / unquote(text_of(address)))}
         self._functions = {(None, name): each for name, each in {**FUNCTIONS, **plain, **(functions or {})}.items()}
+        self._compiled: dict[str, etree.XPath] = {}
 
-    def select(self, path: str, at: etree._Element | None = None) -> Any:  # noqa: ANN401 - what XPath has
+    def select(self, path: str, at: At | None = None) -> Any:  # noqa: ANN401 - what XPath has
         """What an XPath selects or computes, from the root or from an element on."""
-        start = self.root if at is None else at
-        return etree.XPathElementEvaluator(start, extensions=self._functions, smart_strings=False)(path)
+        if path not in self._compiled:
+            self._compiled[path] = etree.XPath(path, extensions=self._functions, smart_strings=False)
+        return self._compiled[path](self.root if at is None or isinstance(at, tuple) else at)
 
     def hits(self, rules: Iterable[Rule]) -> Iterator[Hit]:
         """The places where rules are broken, rule by rule; what two cases of a rule find is one place."""
         for rule in rules:
-            found: dict[tuple[etree._Element, str], Hit] = {}
+            found: dict[tuple[At, str], Hit] = {}
             for case in rule.cases:
                 for hit in self._broken(rule, case):
                     before = found.get((hit.at, hit.message), hit)
@@ -96,10 +92,15 @@ class Document:
             yield from found.values()
 
     def _broken(self, rule: Rule, case: Case) -> Iterator[Hit]:
-        found = self.select(case.at)
-        for place in VERBS[case.verb](self, found, case.argument):
-            of = {name for name, holds in rule.where.items() if not holds or self.select(f"boolean({holds})", place.at)}
-            of &= case.of or of
+        found = self.select(case.at) if case.at else []
+        for place in VERBS[case.verb](self, found, case.argument) if found or not case.at else ():
+            about = (place.at, *place.others)
+            of = {
+                name
+                for name, holds in rule.where.items()
+                if name in (case.of or rule.where)
+                and (not holds or any(self.select(f"boolean({holds})", each) for each in about))
+            }
             if of:
                 yield Hit(rule.name, place.at, self._said(case.says, place), frozenset(of))
 
@@ -115,7 +116,7 @@ class Document:
             if isinstance(found, float):
                 return f"{found:.6g}"
             text = text_of(found)
-            return text if path.startswith("name(") else shown(text)
+            return text if path.startswith(_UNQUOTED) else shown(text)
 
         return _SLOT.sub(filled, sentence)
 
@@ -150,6 +151,29 @@ def _word(_: object, value: Any, index: float) -> float:  # noqa: ANN401
     return _number(None, words[int(index) - 1]) if 0 < index <= len(words) else math.nan
 
 
+def _count(value: Any) -> int:  # noqa: ANN401
+    return len(text_of(value).split())
+
+
+def _least(_: object, reader: str, value: Any, count: float) -> float:  # noqa: ANN401
+    """The smallest of the numbers that a reader reads, -inf where one is NaN; NaN where it refuses the text."""
+    found = READ_BY[reader](text_of(value), int(count))
+    return (
+        min((-math.inf if math.isnan(number) else number for number in found), default=math.nan) if found else math.nan
+    )
+
+
+def _plain(values: Sequence[Any]) -> list[float]:
+    """The plain numbers in some texts; NaN for a text that is of others, too."""
+    return [number for value in values for number in numbers_of(text_of(value), _count(value) or 1) or (math.nan,)]
+
+
+def _largest(_: object, *values: Any) -> float:  # noqa: ANN401
+    """The largest magnitude of the plain numbers in some texts; NaN where there are others."""
+    found = [abs(number) for number in _plain(values)]
+    return math.nan if any(map(math.isnan, found)) else max(found)
+
+
 def _inertia(_: object, *moments: Any) -> str:  # noqa: ANN401
     """Which law of a body the tensor ixx, iyy, izz, ixy, ixz, iyz breaks: `triangle`, `definite`, or empty."""
     found = [_number(None, moment) for moment in moments]
@@ -166,9 +190,17 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "word": _word,
     "words": lambda _, value: float(len(text_of(value).split())),
     "plain": lambda _, value, count: numbers_of(text_of(value), int(count)) is not None,
-    "drake": lambda _, value: float(len(drake_numbers(text_of(value)))),
+    "drake": lambda _, value: float(len(begun_numbers(text_of(value)))),
     "mujoco": lambda _, value, count: mujoco_numbers(text_of(value), int(count)) is not None,
-    "urdfdom": lambda _, value, count: urdfdom_numbers(text_of(value), int(count)) is not None,
+    "urdfdom": lambda _, value, count: READ_BY["urdfdom"](text_of(value), int(count)) is not None,
+    "least": _least,
+    "zero-in": lambda _, reader, value, count, most: any(
+        abs(number) <= most for number in READ_BY[reader](text_of(value), int(count)) or ()
+    ),
+    "is-out-of-range": lambda _, value: any(not 0.0 <= number <= 1.0 for number in begun_numbers(text_of(value))),
+    "largest": _largest,
+    "halves": lambda _, *values: all((2.0 * number).is_integer() for number in _plain(values)),
+    "finite": lambda _, value: all(map(math.isfinite, mujoco_numbers(text_of(value), _count(value)) or ())),
     "inertia": _inertia,
     "lower": lambda _, value: text_of(value).lower(),
     "suffix": lambda _, value: Path(text_of(value)).suffix.lower(),
@@ -232,10 +264,25 @@ def _repeated(
 
 def _together(document: Document, found: list[etree._Element], name: str) -> Iterator[Place]:
     """All elements as one finding, at the first of them; `$names` are theirs."""
-    if found:
-        names = dict.fromkeys(text_of(document.select(name, element)) for element in found)
-        words = {"$names": listed([shown(each) for each in names], _FEW), "$count": str(len(found))}
-        yield Place(found[0], words)
+    names = dict.fromkeys(text_of(document.select(name, element)) for element in found)
+    words = {"$names": listed([shown(each) for each in names], _FEW), "$count": str(len(found))}
+    yield Place(found[0], words, found[1:])
+
+
+def _each_kind(document: Document, found: list[etree._Element], key: str) -> Iterator[Place]:
+    """The elements of each key as one finding, at the first of them; `$count` is how many they are."""
+    kinds: dict[str, list[etree._Element]] = {}
+    for element in found:
+        kinds.setdefault(text_of(document.select(key, element)), []).append(element)
+    for first, *others in kinds.values():
+        yield Place(first, {"$count": str(1 + len(others))}, others)
+
+
+def _matches(document: Document, _found: object, pattern: str) -> Iterator[Place]:
+    """The first place of the text where a regular expression matches, or its group does."""
+    if match := re.search(pattern, document.text, re.DOTALL):
+        start = match.start(match.lastindex or 0)
+        yield Place((document.text.count("\n", 0, start) + 1, start - document.text.rfind("\n", 0, start)))
 
 
 def _more(_: Document, found: list[etree._Element], most: int) -> Iterator[Place]:
@@ -260,7 +307,7 @@ def _misplaced(_: Document, found: list[etree._Element], about: Mapping[str, Any
         children = ((child, str(child.tag)) for child in element.iterchildren(etree.Element))
         given = children if about["of"] == "children" else ((element, str(name)) for name in element.attrib)
         for at, name in given:
-            if name in known or {":", "{"} & set(name):
+            if name in known or {":", "{", "."} & set(name):
                 continue
             near = did_you_mean(name, [each for each in known if at is not element or element.get(each) is None])
             if near or not about.get("near"):
@@ -291,6 +338,8 @@ VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]
     "twice": _twice,
     "twice anywhere": _twice_anywhere,
     "together": _together,
+    "each kind": _each_kind,
+    "matches": _matches,
     "more than": _more,
     "misplaced": _misplaced,
     "in a circle": _circle,

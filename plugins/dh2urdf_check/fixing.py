@@ -13,7 +13,7 @@ from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Problem, free_name, shown
 from dh2urdf.stages import Repair
-from dh2urdf_check.document.tree import numbers_of
+from dh2urdf_check.numbers import numbers_of
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:

@@ -9,37 +9,25 @@ from dh2urdf.documents import kind_of_file, read_bytes
 from dh2urdf.errors import InputError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
-from dh2urdf.stages import Expansion, Finding, Inspection
-from dh2urdf_check import (
-    bodies,
-    materials,
-    numbers,
-    plausibility,
-    shapes,
-    structure,
-    text,
-    urdf,
-)
-from dh2urdf_check.document.description import Description, Hit
-from dh2urdf_check.document.parsing import NotXmlError, parse
-from dh2urdf_check.document.reading import robot_of
-from dh2urdf_check.document.tree import Element
-from dh2urdf_check.rules import CONSUMERS, rules, unread_include
+from dh2urdf.stages import Expansion, Inspection
+from dh2urdf_check import numbers
+from dh2urdf_check.document import NotXmlError, parse
+from dh2urdf_check.rules import CONSUMERS, Hit, rules, unread_include
+from dh2urdf_check.urdf import Urdf
 from dh2urdf_plugins.formats.xml_files import LARGEST
-from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
-    from dh2urdf.robot import Robot
+    from lxml import etree
+
+    from dh2urdf.stages import Finding
+    from dh2urdf_check.document import Parsed
+    from dh2urdf_check.rules import At
     from dh2urdf_plugins.xacro_fence.places import Place
 
 _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 """As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
-
-_Origin = tuple[Mark, tuple[Mark, ...]]
-"""Where something stands, and where the macros are called that it comes from."""
 
 
 def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
@@ -65,13 +53,15 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
     """
+    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
+
     read_bytes(path, InputError, limit=LARGEST)
     try:
         expanded = expand_foreign(path, expansion)
     except ProofError as error:
         (problem,) = error.problems
         mark = problem.mark or Mark(file=str(path))
-        return _only(Hit("xacro-fails", 1, problem.message), lambda _: (replace(mark, line=mark.line or 1), ()))
+        return _only("xacro-fails", problem.message, replace(mark, line=mark.line or 1))
     return _inspection(path, _PROLOGUE + expanded.content, expansion, expanded.places)
 
 
@@ -83,72 +73,61 @@ def _inspection(
     try:
         parsed = parse(content)
     except NotXmlError as error:
-        at = Element("", {}, error.line, error.column)
         reason = f"it is {found[0]}" if (found := kind_of_file(content)) else error.reason
-        return _only(Hit("not-xml", at, f"no reader takes this: {reason}"), _origins(path))
-    origin = _origins(path) if places is None else _origins_in_sources(path, parsed.root, places)
-    hits = [Hit(oddity.rule, Element("", {}, oddity.line, oddity.column), oddity.message) for oddity in parsed.oddities]
-    robot: Robot | None = None
-    if parsed.root.tag != "robot":
-        hits.append(Hit("not-a-robot", parsed.root, f"the outermost element is {parsed.root.tag}, not robot"))
-    else:
-        description = Description(parsed.root, path, content, lambda at: _said(origin(at)[0], path), packages)
-        finders = (text, numbers, structure, bodies, shapes, materials, plausibility)
-        for finder in finders:
-            hits.extend(finder.hits(description))
-        hits.extend(urdf.hits(description, rules()))
-        robot = robot_of(description)
-    findings = [finding for hit in sorted(hits, key=_order) if (finding := _finding(hit, origin)).effects]
-    included = [each for each in parsed.root.walk() if each.tag.rpartition(":")[2] == "include"]
-    for each in included:
-        mark, calls = origin(each)
-        findings.append(unread_include(next(iter(each.attributes.values()), None), mark, CONSUMERS, calls))
+        line, column = error.at
+        return _only("not-xml", f"no reader takes this: {reason}", Mark(file=str(path), line=line, column=column))
+    origins = _Origins(path, parsed, places)
+    document = Urdf(parsed, path, content, origins.said, packages)
+    hits = [*document.hits(rules().values()), *numbers.hits(document)]
+    if parsed.complaint is not None:
+        reason, at = parsed.complaint
+        hits.append(Hit("not-strict-xml", at, reason, frozenset(CONSUMERS)))
+    findings = [origins.finding(hit) for hit in sorted(hits, key=lambda hit: origins.place(hit.at))]
+    for each in parsed.places:
+        if str(each.tag).rpartition(".")[2] == "include":
+            mark, calls = origins.of(each)
+            address = next(map(str, each.attrib.values()), None)
+            findings.append(unread_include(address, mark, CONSUMERS, calls))
+    robot = document.links.robot(origins.in_text)
     return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
 
 
-def _only(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Inspection:
-    return Inspection(consumers=CONSUMERS, findings=(_finding(hit, origin),))
+def _only(rule: str, message: str, mark: Mark) -> Inspection:
+    return Inspection(consumers=CONSUMERS, findings=(rules()[rule].finding(message, CONSUMERS, mark),))
 
 
-def _finding(hit: Hit, origin: Callable[[Element | int], _Origin]) -> Finding:
-    rule = rules()[hit.rule]
-    mark, calls = origin(hit.at)
-    return Finding(
-        rule=rule.name,
-        message=hit.message,
-        fix=rule.fix,
-        effects=tuple(effect for effect in rule.effects if hit.of is None or effect.consumer in hit.of),
-        mark=mark,
-        calls=calls,
-    )
+class _Origins:
+    """Where the elements of a text come from: the text itself, or the files that it was expanded from."""
 
+    def __init__(self, path: Path, parsed: Parsed, places: list[Place | None] | None) -> None:
+        self._path, self._parsed = path, parsed
+        self._sources = None if places is None else dict(zip(parsed.places, places, strict=True))
 
-def _origins(path: Path) -> Callable[[Element | int], _Origin]:
-    """Where things are in a file that is as it is."""
+    def place(self, at: At) -> tuple[int, int]:
+        """The line and column in the text."""
+        return at if isinstance(at, tuple) else self._parsed.places[at]
 
-    def origin(at: Element | int) -> _Origin:
-        line, column = (at, None) if isinstance(at, int) else (at.line, at.column)
-        return Mark(file=str(path), line=line, column=column), ()
+    def in_text(self, at: At) -> Mark:
+        """A place in the text."""
+        line, column = self.place(at)
+        return Mark(file=str(self._path), line=line, column=column)
 
-    return origin
+    def of(self, at: At) -> tuple[Mark, tuple[Mark, ...]]:
+        """Where something is, and where the macros are called that it comes from."""
+        if self._sources is None:
+            return self.in_text(at), ()
+        if not isinstance(at, tuple) and (found := self._sources[at]):
+            from dh2urdf_plugins.xacro_fence.expansion import mark_of
 
-
-def _origins_in_sources(path: Path, root: Element, places: list[Place | None]) -> Callable[[Element | int], _Origin]:
-    """Where the elements of an expanded text come from; what is no element has a place in the text alone."""
-    place = dict(zip(map(id, root.walk()), places, strict=True))
-
-    def origin(at: Element | int) -> _Origin:
-        if isinstance(at, Element) and (found := place.get(id(at))):
             return mark_of(found), tuple(map(mark_of, found.calls))
-        line = at if isinstance(at, int) else at.line
-        return Mark(file=str(path), place=f"line {line} of what it expands to"), ()
+        return Mark(file=str(self._path), place=f"line {self.place(at)[0]} of what it expands to"), ()
 
-    return origin
+    def said(self, at: etree._Element) -> str:
+        """Where an element is, as messages say it."""
+        mark = self.of(at)[0]
+        return mark.in_file if mark.file == str(self._path) else f"{mark.in_file} of {mark.file}"
 
-
-def _said(mark: Mark, path: Path) -> str:
-    return mark.in_file if mark.file == str(path) else f"{mark.in_file} of {mark.file}"
-
-
-def _order(hit: Hit) -> tuple[int, int]:
-    return (hit.at, 0) if isinstance(hit.at, int) else (hit.at.line, hit.at.column)
+    def finding(self, hit: Hit) -> Finding:
+        """A hit as a finding."""
+        mark, calls = self.of(hit.at)
+        return rules()[hit.rule].finding(hit.message, hit.of, mark, calls)

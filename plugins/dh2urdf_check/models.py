@@ -15,10 +15,10 @@ from dh2urdf.documents import is_file, is_there, read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
+from dh2urdf_check.addresses import is_found_by_pybullet
 from dh2urdf_check.finders import Document, text_of
 from dh2urdf_check.numbers import mujoco_numbers
 from dh2urdf_check.rules import Rule, rules_of, unread_include
-from dh2urdf_check.shapes import is_found_by_pybullet
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf
 from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
 from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, mark_of, tree_of
@@ -86,8 +86,8 @@ def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Any]) -> 
     of_format = _of_sdf if name == "sdf" else _of_mjcf
     document = Document(root, path, of_format(root, path))
     hits = [*document.hits(known.values())]
-    found += [known[hit.rule].finding(hit.message, hit.of, mark_of(hit.at)) for hit in hits]
-    found += _unread(name, root, [hit.at for hit in hits if hit.rule == "sdf-missing-include"])
+    found += [known[hit.rule].finding(hit.message, hit.of, mark_of(hit.at)) for hit in hits]  # type: ignore[arg-type]  # no rule is of the text
+    found += _unread(name, root, {hit.at for hit in hits if hit.rule == "sdf-missing-include"})
     found.sort(key=lambda finding: (finding.mark.line or 0) if finding.mark else 0)
     try:
         robot = read(path).robot
@@ -101,7 +101,7 @@ def _only(name: str, rule: str, message: str, mark: Mark) -> Inspection:
     return Inspection(consumers=CONSUMERS[name], findings=(found.finding(message, found.outcomes, mark),))
 
 
-def _unread(name: str, root: etree._Element, missing: Collection[etree._Element]) -> Iterator[Finding]:
+def _unread(name: str, root: etree._Element, missing: Collection[object]) -> Iterator[Finding]:
     """The files that a model includes and that are neither in its tree, as those of MJCF are, nor missing."""
     for element in (*root.iter("{*}include"), *root.iterfind("asset/model")):
         at = element.find("uri")

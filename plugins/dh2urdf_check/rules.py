@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import yaml
 
@@ -18,6 +18,8 @@ from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
+
+    from lxml import etree
 
     from dh2urdf.source import Mark
     from dh2urdf.stages import Severity
@@ -33,6 +35,26 @@ CONSUMERS = {
     "isaac": "Isaac Sim: importer of URDF, as it is documented",
 }
 """The readers of robot descriptions that the rules speak of, by the names that ``--for`` takes."""
+
+
+At: TypeAlias = "etree._Element | tuple[int, int]"  # noqa: SLF001 - the type that lxml has for elements
+"""Where something is: an element, or the line and column of a text."""
+
+
+class Hit(NamedTuple):
+    """A place where a rule is broken.
+
+    Attributes:
+        rule: its name.
+        at: the place.
+        message: what is there.
+        of: the consumers that it matters to.
+    """
+
+    rule: str
+    at: At
+    message: str
+    of: frozenset[str]
 
 
 class Outcome(StrEnum):
@@ -134,22 +156,17 @@ def rules() -> dict[str, Rule]:
     return {name: rule for group in GROUPS for name, rule in rules_of(group).items()}
 
 
-@cache
-def plausibility_rules() -> dict[str, Rule]:
-    """The rules about what is hardly meant, in the order of their table."""
-    return rules_of("plausibility")
-
-
 def rules_of(group: str, known: Mapping[str, str] = CONSUMERS) -> dict[str, Rule]:
     """The rules of one table by name, in its order; `known` are the consumers that it may name."""
-    return {name: _rule(name, known, **entry) for name, entry in _table(group).items() if "fault" in entry}
+    return {name: _rule(name, known, **entry) for name, entry in table(group).items() if "fault" in entry}
 
 
 @cache
-def _table(name: str) -> dict[str, Any]:
+def table(name: str) -> dict[str, Any]:
+    """A file of the folder ``rules``."""
     path = Path(__file__).with_name("rules") / f"{name}.yaml"
-    table: dict[str, Any] = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
-    return table
+    found: dict[str, Any] = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    return found
 
 
 def _rule(
@@ -182,14 +199,14 @@ def _rule(
     )
 
 
-def _case(*, at: str, says: str, of: Sequence[str] = (), **words: Any) -> Case:  # noqa: ANN401 - what YAML has
+def _case(*, says: str, at: str = "", of: Sequence[str] = (), **words: Any) -> Case:  # noqa: ANN401 - what YAML has
     """A case as a table says it; a `table` of an argument is another file of the folder."""
     verb = words.get("is", "there")
     argument: Any = None
     if isinstance(verb, dict):
         ((verb, argument),) = verb.items()
     if isinstance(argument, dict) and "table" in argument:
-        argument = {**argument, "table": _table(argument["table"])}
+        argument = {**argument, "table": table(argument["table"])}
     return Case(at, verb, argument, says, frozenset(of))
 
 

@@ -1,99 +1,220 @@
-"""A URDF as the rules see it: the elements that its readers find, and what they make of links and joints, in XPath."""
+"""A URDF as the rules see it: what its readers make of links, joints and addresses, as functions of XPath."""
 
 from __future__ import annotations
 
-import re
+import math
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from dh2urdf.documents import is_file
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import WORLD
-from dh2urdf_check.document.description import MOVING, Hit
-from dh2urdf_check.document.tree import Element
+from dh2urdf_check.addresses import is_found_by_pybullet, resolved
+from dh2urdf_check.bodies import Bodies, half_sizes, implausible, is_refused_by_mujoco, law, tensor_of
+from dh2urdf_check.document import without_comments
 from dh2urdf_check.finders import Document, text_of
+from dh2urdf_check.links import MOVING, Links
+from dh2urdf_check.meshes import MeshFile, read_meshes
+from dh2urdf_check.numbers import READ_BY, begun_numbers, numbers_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
 
-    from dh2urdf_check.document.description import Description, LinkNode
-    from dh2urdf_check.rules import Rule
+    from dh2urdf_check.document import Parsed
 
-_NOT_IN_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-
-
-def hits(description: Description, rules: dict[str, Rule]) -> Iterator[Hit]:
-    """The places where a description breaks rules that are data."""
-    origin: dict[etree._Element, Element] = {}
-    root = _copied(description.root, origin)
-    document = Document(root, description.path, _functions(description, root), lambda at: description.place(origin[at]))
-    for hit in document.hits(rules.values()):
-        yield Hit(hit.rule, origin[hit.at], hit.message, hit.of)
+_SIZES = {"size": 3, "radius": 1, "length": 1}
+_MOST_BYTES = 2**27
+"""Size of all mesh files of a description that are read [B]."""
 
 
-def _copied(element: Element, origin: dict[etree._Element, Element]) -> etree._Element:
-    """The elements for XPath: `:` of a prefix, which names no namespace here, is a point in them."""
-    pairs = [(element, root := _copy(element))]
-    for each, copy in pairs:
-        origin[copy] = each
-        for child in each.children:
-            inner = _copy(child)
-            copy.append(inner)
-            pairs.append((child, inner))
-    return root
+class Urdf(Document):
+    """A URDF.
+
+    Attributes:
+        links: its links and joints.
+        bodies: what moves as one body.
+    """
+
+    def __init__(
+        self,
+        parsed: Parsed,
+        path: Path,
+        content: bytes,
+        place: Callable[[etree._Element], str],
+        packages: Mapping[str, Path],
+    ) -> None:
+        self.links = Links(parsed.root)
+        self.bodies = Bodies(self.links)
+        self._packages = packages
+        self._files: dict[str, Path | None] = {}
+        super().__init__(parsed.root, path, self._functions_of(), place)
+        self.text = without_comments(content.decode("latin-1"))
+
+    def _functions_of(self) -> dict[str, Callable[..., Any]]:
+        """The functions of XPath; those of links take the element of a link, or its name."""
+        links, bodies = self.links, self.bodies
+        compiler = links.root.find("mujoco/compiler")
+        options: Mapping[str, str] = {} if compiler is None else compiler.attrib  # type: ignore[assignment]  # as texts
+        fuses = options.get("fusestatic") != "false"  # MuJoCo merges what is fixed to the world into it.
+        at_rest = [name for root in links.roots for name in links.body(root)] if fuses else links.roots
+        static = {name for name in at_rest if fuses or name == WORLD}
+        kinds = {joint.name: joint.kind for joint in links.joints}
+        several = [joints for joints in links.holders.values() if len(joints) > 1]
+        second = {joint.element for joints in several for joint in joints[1:]}
+        rings = {
+            joint.element
+            for joints in several
+            if joints[0].child in links.reached and any(links.hangs_from(j.parent, j.child) for j in joints)
+            for joint in joints[1:]
+        }
+        cut_off = {joint.child for joint in links.joints if joint.parent not in links.link}
+        driven = {
+            str(joint.get("name"))
+            for transmission in links.root.iterchildren("transmission")
+            if "SimpleTransmission" in (transmission.findtext("type") or transmission.get("type") or "")
+            for joint in transmission.iterchildren("joint")
+        }
+
+        def kind_above(name: str) -> str:
+            holder = links.holder(name)
+            return holder.kind if holder else ""
+
+        def of_link(holds: Callable[[str], Any]) -> Callable[..., Any]:
+            def asked(_: object, found: Any) -> Any:  # noqa: ANN401 - what XPath has
+                at = found[0] if isinstance(found, list) and found else found
+                name = str(at.get("name")) if etree.iselement(at) else text_of(at)
+                return holds(name) if name in links.link else False
+
+            return asked
+
+        def of_file(tell: Callable[[str], Any]) -> Callable[..., Any]:
+            told = cache(tell)
+            return lambda _, address: told(text_of(address))
+
+        def of_element(tell: Callable[[etree._Element], Any], missing: object = "") -> Callable[..., Any]:
+            return lambda _, found: tell(found[0]) if found else missing
+
+        return {
+            "moves": of_link(lambda name: kind_above(name) in MOVING),
+            "is-fixed": of_link(lambda name: kind_above(name) == "fixed"),
+            "is-held": of_link(lambda name: links.holder(name) is not None),
+            "is-root": of_link(lambda name: links.roots[:1] == [name]),
+            "is-lost": of_link(lambda name: bool(links.roots) and name not in links.reached and name in links.holders),
+            "merges-held": of_link(lambda name: links.holder(links.heads[name]) is not None),
+            "moves-merged": of_link(lambda name: kind_above(links.heads[name]) in MOVING),
+            "weightless": of_link(bodies.is_weightless),
+            "light": of_link(bodies.is_light),
+            "touches": of_link(self._touches),
+            "massless-inertia": of_link(lambda name: self._law_of_merged(name) == "zero"),
+            "kept": of_link(lambda name: name in bodies.kept),
+            "suits-gazebo": of_link(bodies.suits_gazebo),
+            "without-centre": of_link(lambda name: name in bodies.without_centre),
+            "holds-nothing": of_link(lambda name: name in bodies.holding_nothing),
+            "weighs-in-gazebo": of_link(lambda name: bodies.mass(name) != 0.0),
+            "implausible": of_element(implausible),
+            "law": of_element(lambda at: "" if (tensor := tensor_of(at)) is None else law(tensor)),
+            "is-sound": of_element(lambda at: (tensor := tensor_of(at)) is not None and not law(tensor), missing=False),
+            "moments": of_element(_moments),
+            "no-body": of_element(lambda at: is_refused_by_mujoco(at, moves=kind_above(_link_of(at)) in MOVING)),
+            "least-size": self._least_size,
+            "sides": of_element(lambda at: 2.0 * max(half_sizes(at) or (0.0,)), 0.0),
+            "static": lambda _, name: text_of(name) in static,
+            "kind": lambda _, name: kinds.get(text_of(name), ""),
+            "is-driven": lambda _, name: text_of(name) in driven,
+            "is-second": of_element(lambda at: at in second, missing=False),
+            "closes-a-ring": of_element(lambda at: at in rings, missing=False),
+            "roots": lambda _: float(len(links.roots)),
+            "is-cut-off": of_link(lambda name: name in cut_off),
+            "root": lambda _: [links.link[name] for name in links.roots[:1]],
+            "keeps-something": lambda _: bool(bodies.kept),
+            "draws": lambda _: options.get("discardvisual") == "false",
+            "fuses": lambda _: fuses,
+            "colour": of_element(_colour),
+            "defined": lambda _, name: self._defined.get(text_of(name), []),
+            "file": of_file(self._state),
+            "in-pybullet": of_file(lambda address: is_found_by_pybullet(address, self.path)),
+            "mesh": lambda _, address, what: getattr(self._mesh(text_of(address)), what),
+            "extent": self._extent,
+        }
+
+    def _touches(self, name: str) -> bool:
+        """Whether MuJoCo computes a mass of the shapes of a link, or of one that is fixed to it."""
+        found = [self.links.link[each] for each in self.links.body(name)]
+        return any(each.find("inertial") is None and each.find("collision") is not None for each in found)
+
+    def _law_of_merged(self, name: str) -> str:
+        body = self.bodies.merged(self.links.body(self.links.heads[name]))
+        return "" if body is None else law(body.inertia)
+
+    def _least_size(self, context: Any, reader: str) -> float:  # noqa: ANN401 - what XPath has
+        """The smallest of the sizes of a shape that a reader reads; infinite where it reads none."""
+        texts = [(context.context_node.get(name), count) for name, count in _SIZES.items()]
+        read = [READ_BY[reader](text, count) or () for text, count in texts if text is not None]
+        return min((-1.0 if math.isnan(each) else each for numbers in read for each in numbers), default=math.inf)
+
+    @cached_property
+    def _defined(self) -> dict[str, list[etree._Element]]:
+        """The first definition of each material."""
+        found: dict[str, list[etree._Element]] = {}
+        for material in (*self.links.root.iterfind("material"), *self.links.root.iterfind("link/visual/material")):
+            if material.getparent() is self.links.root or len(material):
+                found.setdefault(material.get("name") or "", [material])
+        return found
+
+    # --- Files --------------------------------------------------------------------------------------------------------
+
+    def _resolved(self, address: str) -> Path | None:
+        if address not in self._files:
+            self._files[address] = resolved(address, self.path, self._packages)
+        return self._files[address]
+
+    def _state(self, address: str) -> str:
+        """Of the file that an address means: `there`, `missing`, or `package` where its package is not found."""
+        path = self._resolved(address)
+        return "package" if path is None else "there" if is_file(path) else "missing"
+
+    @cached_property
+    def _meshes(self) -> dict[Path, MeshFile]:
+        """What is in the mesh files that are there, up to a size of them all."""
+        paths: dict[Path, None] = {}
+        left = _MOST_BYTES
+        for mesh in self.root.iter("mesh"):
+            path = self._resolved(mesh.get("filename") or "")
+            if path and path not in paths and is_file(path) and (left := left - path.stat().st_size) >= 0:
+                paths[path] = None
+        return read_meshes(paths)
+
+    def _mesh(self, address: str) -> MeshFile:
+        path = self._resolved(address)
+        return self._meshes.get(path, MeshFile()) if path else MeshFile()
+
+    def _extent(self, context: Any) -> float:  # noqa: ANN401 - what XPath has
+        """The longest side of a mesh as it is used [m]; 0 where it is not known."""
+        file = self._mesh(context.context_node.get("filename") or "")
+        factors = numbers_of(context.context_node.get("scale"), 3) or (1.0, 1.0, 1.0)
+        sides = file.sides or (0.0, 0.0, 0.0)
+        return max(abs(file.unit * side * factor) for side, factor in zip(sides, factors, strict=True))
 
 
-def _copy(element: Element) -> etree._Element:
-    names = ((name.replace(":", "."), value) for name, value in element.attributes.items())
-    attributes = {name: _NOT_IN_XML.sub("?", value) for name, value in names}
-    copy = etree.Element(element.tag.replace(":", "."), attributes)
-    copy.text = _NOT_IN_XML.sub("?", element.text)
-    return copy
+def _link_of(inertia: etree._Element) -> str:
+    holder = next(inertia.iterancestors("link"), None)
+    return "" if holder is None else holder.get("name") or ""
 
 
-def _functions(description: Description, root: etree._Element) -> dict[str, Callable[..., Any]]:
-    """The functions of XPath in the rules of URDF; those of links take the element of a link, or its name."""
-    compiler = description.root.first("mujoco", "compiler") or Element("compiler", {}, 0, 0)
-    fuses = compiler.get("fusestatic") != "false"  # MuJoCo merges what is fixed to the world into it.
+def _moments(inertia: etree._Element) -> str:
+    """The principal moments of an inertia, as a sentence has them."""
+    tensor = tensor_of(inertia)
+    if tensor is None:
+        return "those of no body"
+    low, middle, high = principal_moments(tensor)
+    return f"{low:.6g}, {middle:.6g} and {high:.6g} kg·m²"
 
-    def link_of(found: Any) -> LinkNode | None:  # noqa: ANN401 - what XPath has
-        at = found[0] if isinstance(found, list) and found else found
-        name = str(at.get("name")) if etree.iselement(at) else text_of(at)
-        return description.link.get(name)
 
-    def moves(_: object, found: Any) -> bool:  # noqa: ANN401
-        """Whether a joint that moves holds a link."""
-        link = link_of(found)
-        holder = description.holder(link) if link else None
-        return holder is not None and holder.kind in MOVING
-
-    def is_root(_: object, found: Any) -> bool:  # noqa: ANN401
-        """Whether a link is the first that no joint holds."""
-        link = link_of(found)
-        return link is not None and description.roots[:1] == [link]
-
-    kinds = {joint.name: joint.kind for joint in description.joints}
-    at_rest = [node for each in description.roots for node in description.body(each)] if fuses else description.roots
-    static = {node.name for node in at_rest if fuses or node.name == WORLD}
-    driven = {
-        str(joint.get("name"))
-        for transmission in root.iterfind("transmission")
-        if "SimpleTransmission" in (transmission.findtext("type") or transmission.get("type") or "")
-        for joint in transmission.iterfind("joint")
-    }
-
-    def is_fixed(_: object, found: Any) -> bool:  # noqa: ANN401
-        """Whether a fixed joint holds a link."""
-        link = link_of(found)
-        holder = description.holder(link) if link else None
-        return holder is not None and holder.kind == "fixed"
-
-    return {
-        "moves": moves,
-        "is-fixed": is_fixed,
-        "static": lambda _, name: text_of(name) in static,
-        "kind": lambda _, name: kinds.get(text_of(name), ""),
-        "is-driven": lambda _, name: text_of(name) in driven,
-        "is-root": is_root,
-        "draws": lambda _: compiler.get("discardvisual") == "false",
-        "fuses": lambda _: fuses,
-    }
+def _colour(material: etree._Element) -> str:
+    """What a material looks like, whatever its name."""
+    colour, texture = material.find("color"), material.find("texture")
+    numbers = begun_numbers((colour.get("rgba") if colour is not None else None) or "")
+    return f"{numbers} {texture.get('filename') if texture is not None else None}"

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from faulty_files import FAULTS, IMPLAUSIBLE, SOUND, write_all
+from faulty_files import PROOFS, SOUND, write_all
 
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.rules import Outcome, rules
@@ -154,15 +154,6 @@ def compared(found: Mapping[str, Any], sound: Mapping[str, Any]) -> dict[str, An
     return kept
 
 
-def write_files(folder: Path) -> dict[str, Path]:
-    """The sound file, and one for every rule that a URDF can break."""
-    paths = write_all(folder)
-    for rule, (old, new) in IMPLAUSIBLE.items():
-        paths[rule] = paths["sound"].with_name(f"{rule}.urdf")
-        paths[rule].write_text(SOUND.replace(old, new), "utf-8")
-    return paths
-
-
 def read_record() -> dict[str, dict[str, Any]]:
     return dict(json.loads(RECORD.read_text("utf-8")))
 
@@ -174,7 +165,7 @@ def test_the_real_one_does_what_is_kept(tmp_path: Path, *, renew: bool) -> None:
         return
     found = {}
     with Real() as real:
-        for name, path in write_files(tmp_path).items():
+        for name, path in write_all(tmp_path).items():
             found[name] = ask(real.port, path)
             if found[name]["end"] == "crashes":
                 real.end()
@@ -188,7 +179,7 @@ def test_the_real_one_does_what_is_kept(tmp_path: Path, *, renew: bool) -> None:
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return write_files(tmp_path_factory.mktemp("coppeliasim"))
+    return write_all(tmp_path_factory.mktemp("coppeliasim"))
 
 
 def test_the_table_says_what_it_did(files: dict[str, Path]) -> None:
@@ -197,7 +188,7 @@ def test_the_table_says_what_it_did(files: dict[str, Path]) -> None:
     for rule, kept in record.items():
         if rule == "sound":
             continue
-        broken = {rule, *(FAULTS[rule].besides if rule in FAULTS else ())}
+        broken = {rule, *PROOFS[rule].besides}
         named = [finding for finding in inspect_urdf(files[rule]).findings if finding.rule in broken]
         outcomes = [
             rules()[finding.rule].outcomes["coppeliasim"]

@@ -14,9 +14,9 @@ from hypothesis import given, strategies as st
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
 from dh2urdf.source import Mark
-from dh2urdf_check.document.parsing import NotXmlError, parse
-from dh2urdf_check.document.tree import DEEPEST, numbers_of
+from dh2urdf_check.document import DEEPEST, NotXmlError, parse
 from dh2urdf_check.inspection import inspect_urdf, inspect_xacro
+from dh2urdf_check.numbers import numbers_of
 from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
@@ -76,7 +76,7 @@ def test_bytes_are_a_tree_or_no_xml(content: bytes) -> None:
         parse(content)
     except NotXmlError as error:
         assert error.reason
-        assert error.line >= 1
+        assert error.at[0] >= 1
 
 
 @given(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import yaml
 from consumers import require
-from faulty_models import MJCF, PROOFS, SDF, SOUND, line_of, write_models
+from faulty_files import MJCF, MODEL_PROOFS as PROOFS, SDF, SOUND_OF as SOUND, line_of, write_models
 from lxml import etree
 from model_consumers import outcomes
 

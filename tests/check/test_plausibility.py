@@ -6,17 +6,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours, require
-from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, IMPLAUSIBLE, SOUND
+from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, PROOFS, SOUND
 from real_robots import descriptions, findings_of
 
 from dh2urdf_check.inspection import inspect_urdf
-from dh2urdf_check.rules import Outcome, plausibility_rules
+from dh2urdf_check.rules import rules_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.stages import Finding
 
+RULES = rules_of("plausibility")
 NOT_MEANT_OTHERWISE = {
     "no limits": (ELBOW_LIMIT, ELBOW_LIMIT.replace('"-2" upper="2"', '"-100" upper="100"')),
     "a rotor that is not drawn": (CYLINDER, '<cylinder radius="0.001" length="0.001"/>'),
@@ -33,21 +34,7 @@ def write(folder: Path, name: str, old: str, new: str) -> Path:
 
 
 def found(path: Path) -> list[Finding]:
-    return [finding for finding in inspect_urdf(path).findings if finding.rule in plausibility_rules()]
-
-
-def test_every_rule_has_a_file_that_breaks_it() -> None:
-    assert set(IMPLAUSIBLE) == set(plausibility_rules())
-
-
-@pytest.mark.parametrize("rule", IMPLAUSIBLE)
-def test_a_fault_is_found(tmp_path: Path, rule: str) -> None:
-    """Once, as a warning, and nothing else of its kind is."""
-    (finding,) = found(write(tmp_path, rule, *IMPLAUSIBLE[rule]))
-    assert finding.rule == rule
-    assert finding.severity == "warning"
-    assert finding.mark is not None
-    assert finding.mark.line is not None
+    return [finding for finding in inspect_urdf(path).findings if finding.rule in RULES]
 
 
 @pytest.mark.parametrize("name", NOT_MEANT_OTHERWISE)
@@ -63,7 +50,7 @@ def test_an_effort_of_0_is_no_limit_to_mujoco_and_takes_drakes_actuator(tmp_path
         f'<actuator name="motor"/></transmission>{END}'
     )
     paths = [
-        write(tmp_path, "plain", *IMPLAUSIBLE["zero-effort"]),
+        write(tmp_path, "plain", PROOFS["zero-effort"].old, PROOFS["zero-effort"].new),
         tmp_path / "driven.urdf",
         write(tmp_path, "with effort", END, drive),
     ]
@@ -87,20 +74,6 @@ def test_a_ground_may_be_large(tmp_path: Path) -> None:
     assert found(path) == []
 
 
-@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
-def test_the_table_says_what_happens(tmp_path: Path, consumer: str) -> None:
-    """Each consumer loads or refuses the files as the table has it."""
-    require(consumer)
-    rules = plausibility_rules()
-    paths = {rule: write(tmp_path, rule, *IMPLAUSIBLE[rule]) for rule in rules}
-    ends = {rule: each.end for rule, each in zip(paths, behaviours(consumer, list(paths.values())), strict=True)}
-    said = {rule: rules[rule].outcomes.get(consumer) for rule in rules}
-    assert ends == {
-        rule: outcome.value if outcome in {Outcome.REFUSES, Outcome.CRASHES} else "loads"
-        for rule, outcome in said.items()
-    }
-
-
 TRUE = {
     "inertia-of-a-larger-body": {"a1.urdf", "b1-z1.urdf", "tiago.urdf"},
     "reference-to-nothing": {"talos_left_arm.urdf", "tiago_dual.urdf"},
@@ -115,7 +88,7 @@ def test_real_robots_are_plausible_but_for_what_was_looked_at() -> None:
     known = set().union(*TRUE.values())
     for path in [path for number, path in enumerate(descriptions()) if path.name in known or number % 6 == 0]:
         for finding in findings_of(path):
-            if finding.rule not in plausibility_rules():
+            if finding.rule not in RULES:
                 continue
             by_rule.setdefault(finding.rule, set()).add(path.name)
     assert {*TRUE} <= set(by_rule) <= {*TRUE, "zero-velocity", "zero-effort"}

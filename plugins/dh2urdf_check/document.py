@@ -1,0 +1,141 @@
+"""The elements of a robot description as its readers see them, with their places.
+
+The readers' parsers (TinyXML, TinyXML-2) know no entities, no document types and no namespaces, and take comments with
+``--`` and odd letters. A file comes from a stranger: nothing is expanded and nothing is fetched.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+from xml.parsers import expat
+
+from lxml import etree
+
+from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, check_encoding
+
+DEEPEST = 1000
+"""Elements inside each other that are kept; what is deeper is passed over."""
+_ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"']([^\"']+)[\"']", re.IGNORECASE)
+_COMMENT = re.compile(r"(?<=<!--).*?(?=-->)", re.DOTALL)
+_PASSED_OVER = re.compile(r"<\?.*?\?>|<!DOCTYPE(?:[^>\[]|\[.*?\]\s*(?=>))*>", re.DOTALL)
+_NO_LETTER = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NO_REFERENCE = re.compile(r"&(?!(?:quot|amp|apos|lt|gt|#x[0-9A-Fa-f]{1,6}|#[0-9]{1,7});)")
+_BROKEN_VALUE = re.compile(r"""(?<==)(?:"[^"<>]*[\t\n][^"<>]*"|'[^'<>]*[\t\n][^'<>]*')""")
+_TAB, _BREAK = "\ue009", "\ue00a"
+"""What stands for a tab and before a line break in a value: XML makes blanks of them, and readers do not."""
+
+
+class NotXmlError(Exception):
+    """A text that is no XML.
+
+    Attributes:
+        reason: what is wrong.
+        at: its line and column, from 1.
+    """
+
+    def __init__(self, reason: str, line: int = 1, column: int = 1) -> None:
+        self.reason, self.at = reason, (line, column)
+        super().__init__(reason, line, column)
+
+
+class Parsed(NamedTuple):
+    """A text as a tree.
+
+    Attributes:
+        root: the outermost element; `:` in names, which names no namespace here, is a point.
+        places: the line and column of each element, in the order of the text.
+        complaint: why it is not XML to the letter, and its line and column; None where it is.
+    """
+
+    root: etree._Element
+    places: dict[etree._Element, tuple[int, int]]
+    complaint: tuple[str, tuple[int, int]] | None
+
+
+def parse(content: bytes) -> Parsed:
+    """The tree of a text.
+
+    Raises:
+        NotXmlError: readers do not take it for XML.
+    """
+    if content[:2] in {b"\xff\xfe", b"\xfe\xff"} or b"\0" in content[:4]:
+        raise NotXmlError("it is encoded in UTF-16 or UTF-32, and readers take UTF-8")
+    tree = _Tree()
+    try:
+        tree.parser.Parse(_read_as(content), True)
+    except expat.ExpatError as error:
+        if tree.above or not tree.places:
+            raise NotXmlError(expat.ErrorString(error.code), error.lineno, error.offset + 1) from None
+    complaint = None
+    try:
+        expat.ParserCreate().Parse(content, True)
+    except expat.ExpatError as error:
+        complaint = expat.ErrorString(error.code), (error.lineno, error.offset + 1)
+    except (ValueError, LookupError) as error:  # an encoding that Python does not know, or that is no 8-bit one
+        complaint = str(error), (1, 1)
+    return Parsed(next(iter(tree.places)), tree.places, complaint)
+
+
+def without_comments(text: str) -> str:
+    """A text with blanks in its comments."""
+    return _COMMENT.sub(_blank, text)
+
+
+def _blank(found: re.Match[str]) -> str:
+    return re.sub(r"[^\n]", " ", found[0])
+
+
+def _read_as(content: bytes) -> str:
+    """A text as XML to the letter, every element at its place.
+
+    Raises:
+        NotXmlError: it declares an encoding that is not read.
+    """
+    declared = _ENCODING.match(content.lstrip())
+    encoding = declared[1].decode("ascii", "replace").lower() if declared else "utf-8"
+    try:
+        check_encoding(encoding)
+    except ForbiddenXmlError as error:
+        raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED_XML}") from None
+    is_latin = not encoding.startswith(("utf", "us-", "ascii"))
+    text = content.decode("latin-1" if is_latin else "utf-8", "replace").removeprefix("\ufeff")
+    text = _PASSED_OVER.sub(_blank, without_comments(re.sub(r"\r(?!\n)", " ", text)))
+    text = _NO_REFERENCE.sub("&amp;", _NO_LETTER.sub(lambda found: " " if found[0] == "\0" else "?", text))
+    return _BROKEN_VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
+
+
+class _Tree:
+    """Makes the elements of what expat finds."""
+
+    def __init__(self) -> None:
+        self.places: dict[etree._Element, tuple[int, int]] = {}
+        self.above: list[etree._Element | None] = []
+        self.parser = expat.ParserCreate()
+        self.parser.buffer_text = True
+        self.parser.StartElementHandler = self._start
+        self.parser.EndElementHandler = lambda _tag: self.above.pop()
+        self.parser.CharacterDataHandler = self._text
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        if len(self.above) > DEEPEST:
+            self.above.append(None)
+            return
+        values = {_name(name): _value(text) for name, text in attributes.items()}
+        holder = self.above[-1] if self.above else None
+        element = etree.Element(_name(tag), values) if holder is None else etree.SubElement(holder, _name(tag), values)
+        self.above.append(element)
+        self.places[element] = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
+
+    def _text(self, text: str) -> None:
+        element = self.above[-1] if self.above else None
+        if element is not None and not len(element):
+            element.text = (element.text or "") + text
+
+
+def _name(name: str) -> str:
+    return f"{'_' if name.startswith(':') else ''}{name.replace(':', '.')}"
+
+
+def _value(text: str) -> str:
+    return text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n")

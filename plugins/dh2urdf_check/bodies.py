@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from dh2urdf.kinematics.mass import compound, placed, principal_moments
 from dh2urdf.manipulator import WORLD, Inertia
 from dh2urdf.robot import WEIGHTLESS, Inertial
-from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, add, rotate
+from dh2urdf.rotations import IDENTITY, add, rotate
 from dh2urdf.row_fields import INERTIA
+from dh2urdf_check.links import pose_of
 from dh2urdf_check.numbers import mujoco_numbers, numbers_of
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from lxml import etree
 
-    from dh2urdf.rotations import Vec3
+    from dh2urdf.rotations import RigidTransform, Vec3
     from dh2urdf_check.links import Links
 
 _ROUNDED = 1e-9
@@ -67,20 +68,8 @@ def is_refused_by_mujoco(inertia: etree._Element, *, moves: bool) -> bool:
     return law(Inertia(**dict(zip(INERTIA, numbers, strict=True)))) not in {"", "zero"}
 
 
-def pose_of(origin: etree._Element | None) -> RigidTransform | None:
-    """The frame of an origin; None where it is not written in numbers."""
-    pose = []
-    for name in ("xyz", "rpy"):
-        text = None if origin is None else origin.get(name)
-        numbers = ZERO if text is None else numbers_of(text, 3)
-        if numbers is None:
-            return None
-        pose.append((numbers[0], numbers[1], numbers[2]))
-    return RigidTransform.from_xyz_rpy(*pose)
-
-
 def inertial_of(link: etree._Element) -> Inertial | None:
-    """What an inertial says of a link, in its frame; None where that is missing, or a text is not a number."""
+    """The body of a link in its frame; None where something of it is missing, or a text is not a number."""
     mass, pose = numbers_of(_mass_text(link), 1), pose_of(link.find("inertial/origin"))
     tensor = tensor_of(link.find("inertial/inertia"))
     if mass is None or pose is None or tensor is None:

@@ -10,7 +10,7 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
 from dh2urdf.stages import Expansion, Inspection
-from dh2urdf_check import numbers
+from dh2urdf_check import misread
 from dh2urdf_check.document import NotXmlError, parse
 from dh2urdf_check.rules import CONSUMERS, Hit, rules, unread_include
 from dh2urdf_check.urdf import Urdf
@@ -78,7 +78,7 @@ def _inspection(
         return _only("not-xml", f"no reader takes this: {reason}", Mark(file=str(path), line=line, column=column))
     origins = _Origins(path, parsed, places)
     document = Urdf(parsed, path, content, origins.said, packages)
-    hits = [*document.hits(rules().values()), *numbers.hits(document)]
+    hits = [*document.hits(rules().values()), *misread.hits(document)]
     if parsed.complaint is not None:
         reason, at = parsed.complaint
         hits.append(Hit("not-strict-xml", at, reason, frozenset(CONSUMERS)))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JOINT_TYPES, JointType, Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.rotations import X_AXIS, Z_AXIS, norm, scale
-from dh2urdf_check.bodies import pose_of
+from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, RigidTransform, norm, scale
 from dh2urdf_check.numbers import numbers_of
 
 if TYPE_CHECKING:
@@ -101,17 +102,12 @@ class Links:
                 waiting.extend(joint.child for joint in self.held.get(name, ()))
         return seen
 
-    def hangs_from(self, name: str, above: str) -> bool:
-        """Whether a link hangs from another one, through any of the joints that move it."""
-        waiting, seen = [name], set[str]()
-        while waiting:
-            each = waiting.pop()
-            if each == above:
-                return True
-            if each not in seen:
-                seen.add(each)
-                waiting.extend(joint.parent for joint in self.holders.get(each, ()))
-        return False
+    @cached_property
+    def in_rings(self) -> set[str]:
+        """The links that hang from each other in a circle, and those between two circles."""
+        above = {child: [joint.parent for joint in joints] for child, joints in self.holders.items()}
+        below = {parent: [joint.child for joint in joints] for parent, joints in self.held.items()}
+        return _blocked(above) & _blocked(below)
 
     def robot(self, mark: Callable[[etree._Element], Mark]) -> Robot | None:
         """Links and joints without bodies and shapes, to compare kinematics; None where there is no tree of them.
@@ -131,10 +127,33 @@ class Links:
         return Robot(name=self.root.get("name") or "", links=links, joints=tuple(first.values()))
 
 
+def _blocked(graph: dict[str, list[str]]) -> set[str]:
+    """The nodes that circles keep from an order of all."""
+    sorter, ordered = TopologicalSorter(graph), set[str]()
+    with suppress(CycleError):  # The others can be ordered all the same.
+        sorter.prepare()
+    while ready := sorter.get_ready():
+        ordered.update(ready)
+        sorter.done(*ready)
+    return graph.keys() - ordered
+
+
 def _joint(element: etree._Element) -> JointNode:
     ends = [element.find(tag) for tag in ("parent", "child")]
     parent, child = ("" if end is None else end.get("link") or "" for end in ends)
     return JointNode(element, element.get("name") or "", element.get("type") or "", parent, child)
+
+
+def pose_of(origin: etree._Element | None) -> RigidTransform | None:
+    """The frame of an origin; None where it is not written in numbers."""
+    pose = []
+    for name in ("xyz", "rpy"):
+        text = None if origin is None else origin.get(name)
+        numbers = ZERO if text is None else numbers_of(text, 3)
+        if numbers is None:
+            return None
+        pose.append((numbers[0], numbers[1], numbers[2]))
+    return RigidTransform.from_xyz_rpy(*pose)
 
 
 def _read(node: JointNode, mark: Mark) -> Joint | None:

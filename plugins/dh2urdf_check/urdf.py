@@ -64,10 +64,11 @@ class Urdf(Document):
         kinds = {joint.name: joint.kind for joint in links.joints}
         several = [joints for joints in links.holders.values() if len(joints) > 1]
         second = {joint.element for joints in several for joint in joints[1:]}
+        hanging = links.reached & links.in_rings
         rings = {
             joint.element
             for joints in several
-            if joints[0].child in links.reached and any(links.hangs_from(j.parent, j.child) for j in joints)
+            if joints[0].child in hanging and any(each.parent in hanging for each in joints)
             for joint in joints[1:]
         }
         cut_off = {joint.child for joint in links.joints if joint.parent not in links.link}

@@ -105,9 +105,15 @@ class Bodies:
 
     def is_light(self, name: str) -> bool:
         """Whether MuJoCo takes the mass of a link and of all that is fixed to it for 0."""
+        if self.mass(name) >= _LIGHTEST and not self._has_negative_mass:
+            return False  # without a look at the others
         texts = [_mass_text(self._links.link[each]) for each in self._links.body(name)]
         masses = [numbers_of(text, 1) or (math.inf,) for text in texts if text is not None]
         return sum(mass[0] for mass in masses) < _LIGHTEST
+
+    @cached_property
+    def _has_negative_mass(self) -> bool:
+        return any(self.mass(name) < 0.0 for name in self._links.link)
 
     def merged(self, names: Sequence[str]) -> Inertial | None:
         """Links that are fixed to the first of them as one body, in its frame; None where it is not known."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pickle
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from small_stages import Keeping, drawing, pickling
 
 from dh2urdf.conversion.keys import recipe_key
 from dh2urdf.conversion.one_manipulator import Recipe, write_robot
@@ -16,36 +16,17 @@ from dh2urdf.errors import ProofError, RobotError, StageError
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.stage_calls.calls import Call
-from dh2urdf.stages import Edit, EmittedFile, Emitter, KeepsKinematics, NoOptions, ReadsBack, Transform
-from dh2urdf.testing import plain_robot, reference_manipulators
+from dh2urdf.stages import Edit, KeepsKinematics
+from dh2urdf.testing import reference_manipulators
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
 UR5 = reference_manipulators()[0]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Keeping:
-    keeps: bool = True
-    file: Path | None = field(default=None)
-
-
-DRAWING = Call(
-    stage=Transform(name="draw", summary="draws", transform=lambda table, _: plain_robot(table), options=NoOptions),
-    options=NoOptions(),
-)
-PICKLING = Call(
-    stage=Emitter(
-        name="pickle",
-        summary="writes",
-        emit=lambda robot, stem, _: [EmittedFile(name=f"{stem}.pickle", content=pickle.dumps(robot))],
-        options=NoOptions,
-        suffixes=(".pickle",),
-        capabilities=(ReadsBack(lambda path: pickle.loads(path.read_bytes())),),  # noqa: S301 - made here
-    ),
-    options=NoOptions(),
-)
+DRAWING, PICKLING = drawing(), pickling()
 
 
 def edit(

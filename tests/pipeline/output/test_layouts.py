@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.output.layouts import Form, Layout
-from dh2urdf.output.store import open_store
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,16 +49,6 @@ def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: li
     assert layout.is_whole is (layout.form is Form.SHARDS)
 
 
-@pytest.mark.parametrize("form", [Form.FILES, Form.FOLDERS])
-def test_files_of_their_own_are_there_at_once(store: Store, form: Form) -> None:
-    """Each as soon as it is put, with its name in the store."""
-    layout = Layout(form=form, size=2)
-    with layout.place(store, 3) as put:
-        where = put(3, "arm.urdf", b"<robot/>")
-        assert where == {"path": {Form.FILES: "arm.urdf", Form.FOLDERS: "00001/arm.urdf"}[form]}
-        assert store.read(where["path"]) == b"<robot/>"
-
-
 def test_a_member_of_a_shard_is_read_at_its_offset(store: Store) -> None:
     """The manifest says in which shard it is, and where its content begins."""
     layout = Layout(form=Form.SHARDS, size=2)
@@ -69,20 +58,6 @@ def test_a_member_of_a_shard_is_read_at_its_offset(store: Store) -> None:
     assert [fact["path"] for fact in facts] == ["a.urdf", "b.urdf"]
     contents = [store.read(fact["shard"])[fact["offset"] :][:size] for fact, size in zip(facts, (8, 17), strict=True)]
     assert contents == [b"<robot/>", b"<robot name='b'/>"]
-
-
-def test_a_shard_that_fails_is_not_there(tmp_path: Path) -> None:
-    """Half of a shard would be taken for a whole one."""
-    store = open_store(tmp_path)
-
-    def fail() -> None:
-        with Layout(form=Form.SHARDS).place(store, 0) as put:
-            put(0, "a.urdf", b"<robot/>")
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail()
-    assert list(store.names()) == []
 
 
 # --- The real run -----------------------------------------------------------------------------------------------------

@@ -66,14 +66,6 @@ class TestWriting:
         for name in "ab":
             assert (tmp_path / "out" / name).stat().st_mode == (tmp_path / "usual").stat().st_mode
 
-    def test_a_link_is_replaced_not_followed(self, store: LocalStore, tmp_path: Path) -> None:
-        """A link that stands where a file goes is replaced; what it points to stays as it is."""
-        (tmp_path / "precious").write_text("precious")
-        store.write("other", b"")
-        (tmp_path / "out" / "a").symlink_to(tmp_path / "precious")
-        store.write("a", b"new")
-        assert files(tmp_path) == {"precious": b"precious", "out/a": b"new", "out/other": b""}
-
     def test_a_folder_that_was_removed_is_made_again(self, store: LocalStore, tmp_path: Path) -> None:
         """Who tidies up beneath a run does not end it."""
         store.write("a/b", b"1")
@@ -98,20 +90,6 @@ class TestWriting:
         assert [os.waitpid(worker, 0)[1] for worker in workers] == [0, 0, 0]
         found = files(tmp_path / "out")
         assert found == {"before": b""} | {f"{n}/{file}": b"%d" % n * 5000 for n in range(3) for file in range(200)}
-
-
-class TestAppending:
-    @pytest.mark.long
-    def test_lines_of_many_processes_are_whole(self, store: LocalStore, tmp_path: Path) -> None:
-        """Lines that are written at the same time by several processes stand one after the other."""
-        code = (
-            "import sys; from pathlib import Path; from dh2urdf.output.store import LocalStore\n"
-            "for _ in range(200): LocalStore(Path(sys.argv[1])).append('journal', sys.argv[2].encode() * 3000 + b'\\n')"
-        )
-        with another_process(code, store.directory, "a") as one, another_process(code, store.directory, "b") as two:
-            assert (one.wait(60), two.wait(60)) == (0, 0)
-        lines = (tmp_path / "out" / "journal").read_bytes().splitlines()
-        assert sorted(lines) == [b"a" * 3000] * 200 + [b"b" * 3000] * 200
 
 
 class TestFullDisk:

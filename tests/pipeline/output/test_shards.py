@@ -88,12 +88,6 @@ class TestReaders:
             sample.pop("__local_path__", None)
         assert found == [{"__key__": key, **own} for key, own in arms.items()]
 
-    def test_a_file_can_be_read_by_itself(self, store: Store) -> None:
-        """The offset that the manifest has of a file and its size give its content, from an object store too."""
-        offsets = written(store, SAMPLE)
-        for offset, (_, content) in zip(offsets, SAMPLE, strict=True):
-            assert store.read("000001.tar")[offset:].startswith(content)
-
 
 class TestBytes:
     @given(files)
@@ -108,16 +102,6 @@ class TestBytes:
             ]
         assert list(members(content).items()) == list(dict(some).items())
         assert is_shard_of(content, some)
-
-    def test_the_bytes_depend_on_names_and_contents_alone(self, store: Store, tmp_path: Path) -> None:
-        """The same files give the same bytes in any store, whoever writes them."""
-        written(store, SAMPLE)
-        umask = os.umask(0o077)
-        try:
-            written(open_store(tmp_path / "other"), SAMPLE, "other.tar")
-        finally:
-            os.umask(umask)
-        assert store.read("000001.tar") == (tmp_path / "other" / "other.tar").read_bytes()
 
     def test_a_large_shard(self, module_store: Store) -> None:
         """A shard that goes to the disk in many pieces is the same as one of a single piece."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output.remote_store import RemoteStore
 from dh2urdf.output.store import WORKING, LocalStore, Store, open_store
 
 if TYPE_CHECKING:
@@ -32,13 +31,6 @@ class TestEveryStore:
         assert {name: store.read(name) for name in store.names()} == files
         assert {name: store.size(name) for name in files} == {name: len(files[name]) for name in files}
 
-    def test_a_later_file_replaces_an_older_one(self, store: Store) -> None:
-        """Of two files of one name the later one is there, and nothing of the older one."""
-        store.write("a/b", b"a long content")
-        store.write("a/b", b"short")
-        assert list(store.names()) == ["a/b"]
-        assert store.read("a/b") == b"short"
-
     def test_a_file_is_a_stream(self, store: Store) -> None:
         """A stream gives a file from its beginning to its end, or from any other place."""
         content = os.urandom(2_500_000)
@@ -47,12 +39,6 @@ class TestEveryStore:
             assert stream.read(10) == content[:10]
             stream.seek(1_000_000)
             assert stream.read() == content[1_000_000:]
-
-    def test_lines_can_be_read(self, store: Store) -> None:
-        """A stream gives lines, as journals are read."""
-        store.write("a", b'{"name": 1}\n{"name": 2}\n{"na')
-        with store.open("a") as stream:
-            assert list(stream) == [b'{"name": 1}\n', b'{"name": 2}\n', b'{"na']
 
     @pytest.mark.parametrize("name", ["c", "no/such/folder", "a/b/c"])
     def test_what_is_not_there(self, store: Store, name: str) -> None:
@@ -68,22 +54,12 @@ class TestEveryStore:
             (line,) = str(caught.value).splitlines()
             assert line.startswith(f"error: cannot read '{store}/{name}': ")
 
-    def test_a_folder_is_no_file(self, store: Store) -> None:
-        """What only is in the names of files has no size."""
-        store.write("a/b", b"content")
-        assert store.size("a") is None
-
     def test_names_of_a_folder(self, store: Store) -> None:
         """A folder's names are those below it, and not those of another whose name begins alike."""
         for name in ("a/1", "a/b/2", "ab/3", "4"):
             store.write(name, b"")
         assert sorted(store.names("a")) == ["a/1", "a/b/2"]
         assert sorted(store.names()) == ["4", "a/1", "a/b/2", "ab/3"]
-
-    def test_an_empty_store_has_no_names(self, store: Store) -> None:
-        """To look into a place where nothing was ever written is no error."""
-        assert list(store.names()) == []
-        assert list(store.names(WORKING)) == []
 
     def test_removing(self, store: Store) -> None:
         """A file or a folder can be removed, and all others stay."""
@@ -187,13 +163,6 @@ class TestEveryStore:
         assert store.read("a/b") == b"content"
         assert everything(tmp_path / "elsewhere") == []
 
-    def test_a_lock_keeps_what_is_there(self, store: Store) -> None:
-        """Under a lock a run writes, and what it wrote is there afterwards."""
-        with store.lock():
-            store.write("a", b"1")
-            store.write(f"{WORKING}/journal/1", b"1")
-        assert sorted(store.names()) == [f"{WORKING}/journal/1", "a"]
-
 
 class TestOpenStore:
     def test_a_path_is_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,11 +181,3 @@ class TestOpenStore:
         assert store.size("a") is None
         store.remove_tree("a")
         assert everything(tmp_path) == []
-
-    def test_its_text_is_the_address(self, tmp_path: Path) -> None:
-        """A message calls a store what the user calls it."""
-        pytest.importorskip("fsspec")
-        assert str(open_store("../build/ur5")) == "../build/ur5"
-        assert str(open_store(tmp_path)) == str(tmp_path)
-        assert str(open_store("memory://some/place")) == "memory://some/place"
-        assert isinstance(open_store("memory://some/place"), RemoteStore)

@@ -18,7 +18,6 @@ from dh2urdf.output.whole_files import (
     staging,
     write_all,
     write_files,
-    write_whole,
 )
 from dh2urdf.stages import EmittedFile
 
@@ -50,28 +49,21 @@ class TestSafeStem:
         assert not set(stem) & set("/\\:*?\"<>|$`'&;!~ \0")
         assert not stem.endswith((".", " "))
 
-    @pytest.mark.parametrize("name", ["ur5", "UR-10e", "arm_1.2", "gen3+gripper", "机械臂", "Ölarm", "007", "1e3"])
-    def test_an_ordinary_name_stays(self, name: str) -> None:
-        """Letters of every script, digits and . - + _ stay as they are."""
-        assert safe_stem(name) == name
-
     @pytest.mark.parametrize(
         ("name", "stem"),
         [
             ("../../etc/passwd", "etc_passwd"),
-            ("/etc/cron.d/x", "etc_cron.d_x"),
             ("C:\\Windows\\x", "C__Windows_x"),
             (".bashrc", "bashrc"),
             ("-rf", "rf"),
             ("KUKA LBR iiwa", "KUKA_LBR_iiwa"),
+            ("gen3+gripper", "gen3+gripper"),
+            ("机械臂", "机械臂"),
             ("a\nb\0c", "a_b_c"),
             ("$(touch x)", "touch_x"),
             ("", "robot"),
-            ("..", "robot"),
-            ("???", "robot"),
             ("con", "con_"),
             ("NUL.tar.gz", "NUL_.tar.gz"),
-            ("com1", "com1_"),
             ("console", "console"),
         ],
     )
@@ -87,11 +79,6 @@ class TestSafeStem:
 
 
 class TestStems:
-    def test_names_that_differ_keep_their_stems(self) -> None:
-        """Where nothing clashes, every manipulator has the stem of its name, and nobody is told anything."""
-        stems = Stems()
-        assert [stems.claim(name) for name in ("a", "b")] == [("a", None), ("b", None)]
-
     @pytest.mark.parametrize(
         ("first", "second"), [("arm", "arm"), ("Arm", "aRM"), ("a b", "a/b"), ("straße", "STRASSE"), ("", "robot")]
     )
@@ -133,14 +120,6 @@ class TestStems:
 
 
 class TestStaging:
-    def test_the_folder_is_made_and_the_temporary_one_is_gone(self, tmp_path: Path) -> None:
-        """Staging makes the output folder, and a folder in it that is gone at the end."""
-        out = tmp_path / "a" / "b"
-        with staging(out) as folder:
-            assert folder.parent == out
-            (folder / "half").write_text("written")
-        assert list(out.iterdir()) == []
-
     @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])
     def test_nothing_is_left_behind_whatever_happens(self, tmp_path: Path, error: type[BaseException]) -> None:
         """An error, Ctrl-C and a plugin that leaves all take the half-written files along."""
@@ -186,16 +165,6 @@ class TestWriteFiles:
 
 
 class TestPutInPlace:
-    def test_files_replace_older_ones(self, tmp_path: Path) -> None:
-        """A finished file takes the place of an older one; others stay."""
-        (tmp_path / "a.urdf").write_text("old")
-        (tmp_path / "mine.txt").write_text("not yours")
-        with staging(tmp_path) as folder:
-            write_files(folder, [EmittedFile(name="a.urdf", content=b"new"), EmittedFile(name="b.urdf", content=b"b")])
-            assert tree(tmp_path)["a.urdf"] == b"old"
-            put_in_place(folder, ["a.urdf", "b.urdf"], tmp_path)
-        assert tree(tmp_path) == {"a.urdf": b"new", "b.urdf": b"b", "mine.txt": b"not yours"}
-
     def test_a_link_is_replaced_not_followed(self, tmp_path: Path) -> None:
         """A link that stands where a file goes is replaced; what it points to stays as it is."""
         target = tmp_path / "precious"
@@ -231,13 +200,8 @@ class TestAddresses:
         "words",
         [
             ("convert", "arm.csv", "-o", "s3://bucket/arm.urdf"),
-            ("convert", "arm.csv", "-o", "s3://arm.urdf"),
-            ("convert", "arm.csv", "--to", "ros2", "-o", "gs://bucket/arms"),
             ("extract", "arm.urdf", "-o", "https://host/arm.yaml"),
-            ("collisions", "arm.urdf", "-o", "s3://bucket/arm.srdf"),
-            ("check", "arm.urdf", "--fix", "-o", "s3://bucket/arm.urdf"),
             ("init", "s3://bucket/arm.csv"),
-            ("example", "ur5", "-o", "s3://bucket/arm.csv"),
         ],
         ids=" ".join,
     )
@@ -303,21 +267,6 @@ class TestNoFiles:
         self.is_refused(path, lambda: dh2urdf.convert(arm, path))
         self.is_refused(table, lambda: arm.to_csv(table))
         self.is_refused(path, lambda: dh2urdf.convert(arm).robot.to_urdf(path))
-
-    def test_a_link_that_leads_nowhere_is_replaced(self, tmp_path: Path) -> None:
-        """There is nothing behind it that somebody needs."""
-        (tmp_path / "arm.urdf").symlink_to(tmp_path / "gone")
-        write_whole(tmp_path / "arm.urdf", b"new")
-        assert tree(tmp_path) == {"arm.urdf": b"new"}
-
-
-class TestWriteWhole:
-    def test_it_replaces_and_leaves_nothing_else(self, tmp_path: Path) -> None:
-        """A single file is written whole, its folder made, and nothing else is left in it."""
-        path = tmp_path / "new" / "report.json"
-        for content in (b"one", b"two"):
-            write_whole(path, content)
-            assert tree(tmp_path) == {"new/report.json": content}
 
 
 class TestWriteAll:

@@ -203,15 +203,6 @@ class TestOneManipulator:
         assert "ur5" in image.get("alt")
         assert "PyBullet" in image.get("alt")
 
-    def test_drawings_have_words_and_the_colours_of_the_page(self, ur5: Path) -> None:
-        """Each says what it shows; what matplotlib drew in place of the page's colours is gone."""
-        drawings = parsed(ur5).xpath("//figure/svg")
-        assert [drawing.get("role") for drawing in drawings] == ["img", "img"]
-        assert all(drawing.get("aria-label") for drawing in drawings)
-        content = b"".join(etree.tostring(drawing) for drawing in drawings)
-        assert b"var(--ink)" in content
-        assert b"#01020" not in content
-
     @pytest.mark.long
     def test_again_it_is_the_same_bytes(self, ur5: Path, tmp_path: Path) -> None:
         """Another run in another folder, resumed or not, has the same page; nothing in it is a date or a place."""
@@ -267,18 +258,6 @@ class TestAnyPage:
         assert {link[1:] for link in tree.xpath("//a/@href | //use/@href")} <= set(ids)
         assert set(tree.xpath("//@aria-labelledby")) <= set(ids)
         assert set(re.findall(r"url\(#([^)]*)\)", " ".join(tree.xpath("//@*")))) <= set(ids)
-
-    def test_it_is_light_dark_and_printed(self, variants: Path) -> None:
-        """The style has colours for each, of the same names."""
-        style = "".join(parsed(variants).xpath("//style/text()"))
-        light, dark = style.index(":root"), style.index("@media (prefers-color-scheme: dark)")
-        printed = style.index("@media print")
-        names = [
-            set(re.findall(r"(--[\w-]+):", style[start : style.index("}", start)])) for start in (light, dark, printed)
-        ]
-        assert names[0] == names[1] == names[2]
-        assert set(re.findall(r"var\((--[\w-]+)\)", (variants / "report.html").read_text())) <= names[0]
-        assert "break-inside: avoid" in style[printed:]
 
 
 class TestManyManipulators:
@@ -438,14 +417,6 @@ class TestRuns:
         (tmp_path / "out" / "leg.urdf").unlink()
         run(tmp_path, RUN, resume=True)
         assert (tmp_path / "out" / "report.html").read_bytes() == whole
-
-    def test_it_can_be_switched_off(self, tmp_path: Path) -> None:
-        """Then there is none, and an older one is removed: it would tell of another run."""
-        (tmp_path / "arms.csv").write_text(table(["arm"]))
-        run(tmp_path, RUN)
-        plan = make_plan(load_config(tmp_path / "run.yaml", ["report.html=false"]), load())
-        execute(plan)
-        assert not (tmp_path / "out" / "report.html").exists()
 
     def test_without_its_packages_a_line_says_how_to_get_it(
         self, cli: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -77,11 +77,6 @@ class TestTables:
         assert sum(float(row[-1] or 0) for row in rows[1:]) == pytest.approx(robot.mass, abs=1e-4)
         assert f"10 links · 6 moving joints · {robot.mass:.6g} kg · root base_link" in shown
 
-    def test_that_of_a_conversion(self) -> None:
-        """What `convert` gives is shown as its robot, not as all that it holds."""
-        made = dh2urdf.convert(chain(2))
-        assert made._repr_html_() == made.robot._repr_html_()
-
     def test_a_long_one_is_cut(self) -> None:
         """A table of hundreds of rows scrolls; beyond a number that nobody reads, it says how many more there are."""
         assert len(cells(chain(100)._repr_html_())) == 101

@@ -53,41 +53,6 @@ def test_they_are_schemas(cli: Callable[..., Answer]) -> None:
         assert missing == set(), name
 
 
-def test_what_a_type_becomes() -> None:
-    """Texts, counts, hashes, keys that go together, words, null, and keys of a base class, as `dh2urdf.results` has them."""
-    count = {"type": "integer", "minimum": 0}
-    described = json.loads(json.dumps(report_schema()), object_hook=without_description)
-    assert described["$defs"]["file"] == {
-        "type": "object",
-        "properties": {
-            "path": {"type": "string"},
-            "stage": {"type": "string"},
-            "bytes": count,
-            "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$"},
-            "shard": {"type": "string"},
-            "offset": count,
-        },
-        "required": ["path", "stage", "bytes", "sha256"],
-        "additionalProperties": False,
-        "dependentRequired": {"shard": ["offset"], "offset": ["shard"]},
-    }
-    row = described["$defs"]["row"]["properties"]
-    assert row["status"] == {"enum": ["ok", "failed", "skipped"]}
-    assert row["kind"] == {"anyOf": [{"type": "string"}, {"type": "null"}]}
-    assert row["drawn"] == {"type": "object", "additionalProperties": {"type": ["number", "string"]}}
-    proofs = {"anyOf": [{"$ref": "#/$defs/proof"}, {"type": "null"}]}
-    assert row["proof"] == {"type": "object", "additionalProperties": proofs}
-    axes = described["properties"]["axes"]["items"]
-    assert axes["required"] == ["parallel", "spherical_wrist", "opw", "name", "arms"]
-    stages = described["properties"]["reproduction"]["properties"]["stages"]["items"]["properties"]
-    assert stages["options"] == {"type": "object"}
-    assert described["properties"]["schema"] == {"const": "dh2urdf-report/1"}
-
-
-def without_description(data: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in data.items() if key != "description"}
-
-
 def test_they_hold_for_what_a_run_writes(out: Path) -> None:
     """report.json and every line of the manifest are as their schemas say, and nothing of them is left to chance."""
     report = json.loads((out / "report.json").read_bytes())
@@ -124,9 +89,3 @@ def test_a_loaders_report_is_described_as_it_is() -> None:
     """The schema has every field of a loader's report, in its order."""
     described = list(manifest_schema()["$defs"]["load"]["properties"])
     assert described == ["verdict", "optional", "errors", *(field.name for field in fields(LoadReport))]
-
-
-def test_the_command_prints_them(cli: Callable[..., Answer]) -> None:
-    """`schema report` and `schema manifest`."""
-    assert json.loads(cli("schema", "report").stdout) == report_schema()
-    assert json.loads(cli("schema", "manifest").stdout) == manifest_schema()

@@ -1,56 +1,48 @@
 from __future__ import annotations
 
 import json
-import pickle
 import sys
 from dataclasses import dataclass, field, replace
-from itertools import islice
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from small_stages import one_joint, pickling
 
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.conversion.outcome import ManifestRow, to_text
-from dh2urdf.errors import ConfigError, MissingDependencyError, TableError, TransformError
+from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
-from dh2urdf.plugin_system import Catalog, load
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.report.verdicts import coverage_line
-from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import (
-    EmittedFile,
-    Emitter,
     Executor,
     KeepsKinematics,
     Loader,
     NoOptions,
     Reader,
-    ReadsBack,
     Rejected,
     Requires,
     Transform,
 )
-from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.batch_sizes import Expected
+from dh2urdf.testing import plain_robot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.robot import Robot
     from dh2urdf.running import run as runs
     from dh2urdf.tasks.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
 # names, a line each, and what a name begins with says what becomes of it.
-
-BODY = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
-LIMITS = Limits(lower=-1.0, upper=1.0, velocity=1.0, effort=1.0)
 
 
 def read(path: Path, _options: NoOptions) -> Iterator[Manipulator | Rejected]:
@@ -62,8 +54,7 @@ def read(path: Path, _options: NoOptions) -> Iterator[Manipulator | Rejected]:
             yield Rejected(name=name, problems=(Problem(message=f"{name} is bad"),), mark=mark)
         else:
             notices = (Problem(message="read with care", severity="notice"),) if name.startswith("odd") else ()
-            row = DHRow(joint="turn", link="one", a=0.5, alpha=0.0, d=0.0)
-            yield Manipulator(name=name, convention=Convention.STANDARD, rows=(row,), mark=mark, notices=notices)
+            yield one_joint(name, mark=mark, notices=notices)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,33 +66,8 @@ class DrawOptions:
 def draw(manipulator: Manipulator, options: DrawOptions) -> Robot:
     if manipulator.name.startswith("stiff"):
         raise TransformError(Problem(message="it does not bend", joint="turn"))
-    joints = (
-        Joint(name="base", type=JointType.FIXED, parent="base_link", child="base_link_inertia"),
-        Joint(name="turn", type=JointType.REVOLUTE, parent="base_link_inertia", child="one", limits=LIMITS),
-        Joint(
-            name="one-tool0",
-            type=JointType.FIXED,
-            parent="one",
-            child="tool0",
-            origin=Origin(xyz=(options.length, 0.0, 0.0)),
-        ),
-    )
-    links = (
-        Link(name="base_link"),
-        Link(name="base_link_inertia", inertial=BODY),
-        Link(name="one", inertial=BODY),
-        Link(name="tool0", inertial=Inertial(mass=0.0)),
-    )
     notices = (Problem(message="drawn with care", severity="notice"),) if manipulator.name.startswith("odd") else ()
-    return Robot(name=manipulator.name, links=links, joints=joints, notices=notices)
-
-
-def emit(robot: Robot, stem: str, _options: NoOptions) -> list[EmittedFile]:
-    return [EmittedFile(name=f"{stem}.pickle", content=pickle.dumps(replace(robot, notices=())))]
-
-
-def read_back(path: Path) -> Robot:
-    return pickle.loads(path.read_bytes())  # type: ignore[no-any-return]  # noqa: S301 - made here
+    return replace(plain_robot(one_joint(manipulator.name, options.length)), manipulator=None, notices=notices)
 
 
 LOADER = """
@@ -156,16 +122,7 @@ class Lab:
                     capabilities=(KeepsKinematics(lambda o: o.keeps),),
                 )
             ],
-            "emitters": [
-                Emitter(
-                    name="pickle",
-                    summary="pickles",
-                    emit=emit,
-                    options=NoOptions,
-                    suffixes=(".pickle",),
-                    capabilities=(ReadsBack(read_back, is_costly=True),),
-                )
-            ],
+            "emitters": [pickling(costly=True).stage],
             "loaders": loaders,
             "executors": [
                 Executor(name="here", summary="here", options=NoOptions, map=lambda work, tasks, _: map(work, tasks))
@@ -247,19 +204,6 @@ def messages(problems: Any) -> list[str]:
 
 
 class TestPlan:
-    def test_stages_and_options_are_resolved(self, lab: Lab) -> None:
-        """A plan holds the records of the stages, the readers by the files' suffixes, and the options as their types."""
-        plan = lab.plan("inputs: [a.list, {path: b.list, stage: list}]\nloaders: paper", a="x", b="y")
-        assert [(path.name, reader.stage.name) for path, reader in plan.inputs] == [
-            ("a.list", "list"),
-            ("b.list", "list"),
-        ]
-        assert plan.recipe.transform.stage.transform is draw
-        assert plan.recipe.transform.options == DrawOptions()
-        assert [call.stage.name for call in plan.recipe.loaders] == ["paper"]
-        assert plan.executor.stage.name == "here"
-        assert str(plan.store) == str(lab.output)
-
     @pytest.mark.parametrize(
         "inputs",
         [
@@ -278,14 +222,6 @@ class TestPlan:
         (arm,) = made
         (notice,) = arm["notices"]
         assert "is an input twice, and is read once" in notice["message"]
-
-    def test_a_file_that_is_named_twice_in_two_ways_is_refused(self, tmp_path: Path) -> None:
-        """Which of the two readings was meant is not known."""
-        (tmp_path / "a.csv").write_text("a,alpha,d\n1,0,0\n")
-        run = tmp_path / "run.yaml"
-        run.write_text("inputs: [{path: a.csv, options: {convention: standard}}, '*.csv']\n")
-        with pytest.raises(ConfigError, match="is an input twice"):
-            make_plan(load_config(run), load())
 
     def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
         """A loader that is not installed ends the run before it begins."""
@@ -326,15 +262,6 @@ class TestExecute:
         ]
         assert lab.written() == {"arm.pickle", "leg.pickle"}
 
-    def test_nothing_readable_is_one_error(self, lab: Lab) -> None:
-        """Where no manipulator can be read, the run is an error with all problems, and nobody is told twice."""
-        noted: list[BatchReport] = []
-        with pytest.raises(TableError) as caught:
-            lab.run("bad1 bad2", note=lambda report, _: noted.append(report))
-        assert [problem.message for problem in caught.value.problems] == ["bad1 is bad", "bad2 is bad"]
-        assert noted == []
-        assert lab.written() == set()
-
     def test_a_reader_that_breaks_ends_its_own_input(self, lab: Lab) -> None:
         """Manipulators before the crash and other inputs are written; the crash is told with file, stage, traceback."""
         noted: list[BatchReport] = []
@@ -348,43 +275,8 @@ class TestExecute:
         tracebacks = [text for report in noted for text in report.tracebacks]
         assert ['raise ZeroDivisionError("no such number")' in text for text in tracebacks] == [True]
 
-    def test_a_file_that_is_another_arm_fails(self, lab: Lab) -> None:
-        """A transform that says it keeps the kinematics, and does not, fails in the proof; nothing is written."""
-        plan = lab.plan("inputs: arm.list", arm="arm")
-        longer = replace(plan.recipe.transform, options=DrawOptions(length=0.6))
-        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=longer)))
-        assert outcome["status"] == "failed"
-        assert "is not the arm of the table: tool0 is off by 0.1 m" in outcome["errors"][0]["message"]
-        assert lab.written() == set()
-
-    def test_a_difference_that_was_announced_fails_nothing(self, lab: Lab) -> None:
-        """A transform that does not keep the kinematics is reported with its error."""
-        plan = lab.plan("inputs: arm.list", arm="arm")
-        other = replace(plan.recipe.transform, options=DrawOptions(length=0.6, keeps=False))
-        (outcome,) = rows(replace(plan, recipe=replace(plan.recipe, transform=other)))
-        assert (outcome["status"], outcome["keeps_kinematics"]) == ("ok", False)
-        assert outcome["proof"]["pickle"]["position_error"] == pytest.approx(0.1)
-
-    def test_a_dry_run_writes_nothing_and_finds_what_a_run_finds(self, lab: Lab) -> None:
-        """Everything is read and transformed; what fails fails, what would be written is skipped."""
-        outcomes = lab.run("odd stiff bad1", dry_run=True)
-        assert [outcome["status"] for outcome in outcomes] == ["skipped", "failed", "failed"]
-        assert messages(outcomes[0]["notices"]) == ["read with care", "drawn with care"]
-        assert lab.written() == set()
-
 
 class TestNames:
-    def test_two_manipulators_of_one_name_do_not_overwrite_each_other(self, lab: Lab) -> None:
-        """The second gets a stem of its own, and a notice with it; upper and lower case make no other name."""
-        outcomes = lab.run("arm arm ARM")
-        files = [outcome["files"][0]["path"] for outcome in outcomes]
-        assert files == ["arm.pickle", "arm-2.pickle", "ARM-3.pickle"]
-        assert outcomes[0]["notices"] == []
-        assert messages(outcomes[1]["notices"]) == [
-            "its files are named 'arm-2': 'arm' names files of another manipulator or the run"
-        ]
-        assert [read_back(lab.output / name).name for name in sorted(lab.written())] == ["ARM", "arm", "arm"]
-
     @pytest.mark.parametrize("names", ["arm arm.cardboard", "ARM.Cardboard arm"])
     def test_a_second_picture_is_no_file_of_another_manipulator(self, lab: Lab, names: str) -> None:
         """What is ``arm.cardboard.png`` by its second simulator keeps an arm.cardboard from its stem, either way round."""
@@ -416,13 +308,6 @@ class TestLoaders:
         recipe = replace(plan.recipe, transform=replace(plan.recipe.transform, options=options))
         (outcome,) = rows(replace(plan, recipe=recipe))
         assert outcome["loaders"]["paper"]["position_error"] == expected
-
-    def test_one_that_refuses_fails_its_manipulator_alone(self, lab: Lab) -> None:
-        """The files stay for a person to look at; other manipulators go on."""
-        heavy, arm = lab.run("heavy arm", "loaders: paper")
-        assert (heavy["status"], arm["status"]) == ("failed", "ok")
-        assert messages(heavy["errors"]) == ["paper: too heavy to hold"]
-        assert lab.written() == {"heavy.pickle", "arm.pickle", "arm.png"}
 
     def test_one_that_refuses_does_not_silence_the_next(self, lab: Lab) -> None:
         """All loaders are asked; each has its verdict, and the manipulator has the errors of all that failed."""
@@ -494,12 +379,6 @@ class TestLongRuns:
         """How many are proved is a setting; all of them are by default."""
         outcomes = lab.run("a b c d e", "proof: {every: 2}")
         assert [bool(outcome["proof"]["pickle"]) for outcome in outcomes] == [True, False, True, False, True]
-
-    def test_batches_are_taken_as_they_are_needed(self, lab: Lab) -> None:
-        """A table of a million is not read before the first manipulator is made."""
-        plan = lab.plan("inputs: a.list", a="arm\nleg\ncrash")
-        taken = [batch.names for batch in islice(batches(plan, Expected(plan)), 2)]
-        assert taken == [("arm",), ("leg",)]
 
 
 class TestCallsInOtherProcesses:

@@ -91,13 +91,6 @@ def test_a_permutation_has_every_place_once(count: int, key: str) -> None:
     assert sorted(permuted(index, count, key) for index in range(count)) == list(range(count))
 
 
-def test_permutations_of_few_differ_by_key() -> None:
-    """All six orders of three come up, none of them much more often than the others."""
-    orders = Counter(tuple(permuted(index, 3, f"key {number}") for index in range(3)) for number in range(3000))
-    assert len(orders) == 6
-    assert all(300 < number < 700 for number in orders.values())
-
-
 @pytest.mark.parametrize(("dimensions", "count"), [(1, 64), (7, 100), (40, 257)])
 def test_sobol_points_are_scipys_shifted(dimensions: int, count: int) -> None:
     """Each differs from scipy's of the same index by one and the same pattern of bits in each dimension."""
@@ -111,13 +104,6 @@ def test_sobol_points_are_scipys_shifted(dimensions: int, count: int) -> None:
     shifts = found ^ (expected * scale).astype(np.int64)
     assert (shifts == shifts[0]).all()
     assert len(set(shifts[0].tolist())) == dimensions
-
-
-def test_sobol_points_fill_every_cell_of_a_net() -> None:
-    """256 points in two dimensions: one in each of the 16 by 16 cells, as in every (0, 8, 2)-net."""
-    cells = Counter((int(x * 16), int(y * 16)) for x, y in points(Sampling.SOBOL, 256, 2))
-    assert set(cells.values()) == {1}
-    assert len(cells) == 256
 
 
 @given(st.integers(1, 300), st.integers(1, 40), SEEDS)

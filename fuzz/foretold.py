@@ -30,7 +30,7 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf_check.ask.findings import asking, seen_findings
-from dh2urdf_check.described_files import described_files
+from dh2urdf_check.files import described_files
 from dh2urdf_check.models import model_rules
 from dh2urdf_check.rules import Outcome, rules
 

@@ -25,27 +25,23 @@ from dh2urdf.cli.shared_options import (
     table_options,
     without_option,
 )
-from dh2urdf.commands.check import emitter_of, inspect
 from dh2urdf.commands.choices import read_manipulator, reader_call
-from dh2urdf.documents.text_files import check_file, is_folder
-from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.documents.text_files import is_folder
+from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
 from dh2urdf.stages import Expansion
-from dh2urdf_check.ask.findings import asking, seen_findings, why_unasked
-from dh2urdf_check.explaining import explanation
-from dh2urdf_check.several import inspect_several, repaired
+from dh2urdf_check.files import inspect_files, repaired
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf.kinematics.comparison import Agreement
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Finding
-    from dh2urdf_check.several import Inspections
 
 EXIT_STATUS = (
     "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
@@ -115,51 +111,48 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check my_robots/ --format sarif > robots.sarif
     """
     if rule is not None:
+        from dh2urdf_check.explaining import explanation
+
         answer(explanation(rule))
         return 0
     if table is None:
         _refuse_without_table({"base_link": base_link, "tip_link": tip_link, **flags})
     installed = catalog()
     files, arguments = files_and_arguments(words)
-    expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if is_fixed or out:
         files = [_fixed(installed, files, format_name, out if is_fixed else None)]
-    if len(files) != 1 or is_folder(files[0]):
+    is_one = len(files) == 1 and not is_folder(files[0])
+    if not is_one:
         _refuse_for_several(files, table)
-        asked = _asked(simulators, is_silent=is_silent)
-        several = inspect_several(installed, files, format_name, "`--as NAME`", expansion, asked=asked)
-        return _print_several(several, _chosen(simulators, several.consumers), form, is_whole=is_whole)
-    file = files[0]
-    if DASH == str(file) == str(table):
+    elif DASH == str(files[0]) == str(table):
         raise ConfigError(Problem(message="FILE and TABLE cannot both be standard input", mark=COMMAND_LINE))
-    file = given_description(file, format_name, installed)
-    check_file(file, InputError)
+    else:
+        files = [given_description(files[0], format_name, installed)]
     manipulator = _manipulator(installed, table, flags) if table else None
-    emitter = emitter_of(installed, file, format_name, "`--as NAME`")
-    with asking(installed, [(file, emitter)], expansion, _asked(simulators, is_silent=is_silent)) as at_work:
-        inspection = inspect(installed, file, format_name, "`--as NAME`", expansion)
-        consumers = _chosen(simulators, inspection.consumers)
-        seen = next(at_work, None)
-    found_of = inspection.findings if seen is None else seen_findings(seen, inspection.findings)
-    answers = () if seen is None else seen.answers
-    findings = [found for finding in found_of if (found := _only(finding, consumers))]
+    expansion = Expansion(arguments=arguments, package_paths=package_paths)
+    asked = _asked(simulators, is_silent=is_silent)
+    found = inspect_files(installed, files, format_name, expansion, asked)
+    consumers = _chosen(simulators, found.consumers)
+    findings = [finding for each in found.findings if (finding := _only(each, consumers))]
     comparison = None
-    if manipulator is not None and table is not None:
-        agreement = _agreement(inspection.robot, manipulator, file, base_link, tip_link)
-        comparison = (agreement, manipulator, Path(NAME) if str(table) == DASH else table)
-    from dh2urdf_check.reports import as_json, as_sarif, comparison_finding
+    from dh2urdf_check.reports import Report, as_json, as_sarif, comparison_finding
 
-    if comparison and (apart := comparison_finding(comparison[0], comparison[1])):
-        findings.append(replace(apart, mark=Mark(file=str(file))))
-    status = _settled(findings)
+    if manipulator is not None and table is not None:
+        agreement = _agreement(found.robot, manipulator, files[0], base_link, tip_link)
+        comparison = (agreement, manipulator, Path(NAME) if str(table) == DASH else table)
+        if apart := comparison_finding(agreement, manipulator):
+            findings.append(replace(apart, mark=Mark(file=str(files[0]))))
+    status = int(any(finding.severity == "error" for finding in findings))
+    click.get_current_context().meta[SETTLED] = status  # Nothing can change it any more.
+    report = Report(found, findings, consumers, comparison, is_one)
     if form == "json":
-        answer(as_json(file, findings, consumers, answers, comparison))
+        answer(as_json(report))
     elif form == "sarif":
         answer(as_sarif(findings))
     else:
-        from dh2urdf_check.printing import print_findings
+        from dh2urdf_check.printing import print_report
 
-        print_findings(findings, consumers, answers, comparison, is_whole=is_whole)
+        print_report(report, is_whole=is_whole)
     return status
 
 
@@ -167,6 +160,8 @@ def _asked(simulators: Sequence[str], *, is_silent: bool) -> Sequence[str] | Non
     """Whom to give the files to; None for nobody, with a notice where the user has not asked for that."""
     if is_silent:
         return None
+    from dh2urdf_check.ask.findings import why_unasked
+
     if why := why_unasked():
         click.echo(f"notice: no simulator is given the file: {why}", err=True)
         return None
@@ -178,20 +173,13 @@ def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out
     if out is None or len(files) != 1 or str(files[0]) == DASH or is_folder(files[0]):
         message = "--fix takes one FILE, and writes to the file that -o names"
         raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--fix -o FIXED FILE"))
-    repair = repaired(catalog, files[0], format_name, "`--as NAME`")
+    repair = repaired(catalog, files[0], format_name)
     write_whole(out, repair.content)
     for change in repair.changes:
         click.echo(printable(f"{change.mark}: fixed: {change.message}"), err=True)
     count = len(repair.changes)
     click.echo(printable(f"{count or 'no'} fix{'' if count == 1 else 'es'}; written to {out}"), err=True)
     return out
-
-
-def _settled(findings: Iterable[Finding]) -> int:
-    """The exit status, which nothing can change any more."""
-    status = int(any(finding.severity == "error" for finding in findings))
-    click.get_current_context().meta[SETTLED] = status
-    return status
 
 
 def _refuse_without_table(options: Mapping[str, str | None]) -> None:
@@ -219,24 +207,6 @@ def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
         problem = Problem(message="standard input is one FILE alone", mark=COMMAND_LINE, accepted="one FILE")
     if problem:
         raise ConfigError(problem)
-
-
-def _print_several(several: Inspections, consumers: Mapping[str, str], form: str, *, is_whole: bool) -> int:
-    findings = [found for finding in several.findings if (found := _only(finding, consumers))]
-    status = _settled(findings)
-    if form == "sarif":
-        from dh2urdf_check.reports import as_sarif
-
-        answer(as_sarif(findings))
-    elif form == "json":
-        from dh2urdf_check.reports import several_as_json
-
-        answer(several_as_json(several, findings, consumers))
-    else:
-        from dh2urdf_check.printing import print_findings
-
-        print_findings(findings, consumers, several.answers, several=several, is_whole=is_whole)
-    return status
 
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:

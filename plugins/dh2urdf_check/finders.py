@@ -24,7 +24,7 @@ from dh2urdf_check.numbers import READ_BY, begun_numbers, mujoco_numbers, number
 from dh2urdf_check.rules import At, Hit
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf_check.rules import Case, Rule
 
@@ -54,6 +54,7 @@ class Document:
     Attributes:
         root: its outermost element.
         path: its file.
+        sets: names that rules know by a word, such as ``$links``.
         text: its text with blanks in comments, a letter a byte; empty where no rule asks for it.
 
     Args:
@@ -71,6 +72,7 @@ class Document:
         place: Callable[[etree._Element], str] = lambda at: f"line {at.sourceline}",
     ) -> None:
         self.root, self.path, self.place, self.text = root, path, place, ""
+        self.sets: dict[str, Collection[str]] = {}
         plain = {"there": lambda _, address: is_file(path.parent / unquote(text_of(address)))}
         self._functions = {(None, name): each for name, each in {**FUNCTIONS, **plain, **(functions or {})}.items()}
         self._compiled: dict[str, etree.XPath] = {}
@@ -203,6 +205,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "finite": lambda _, value: all(map(math.isfinite, mujoco_numbers(text_of(value), _count(value)) or ())),
     "inertia": _inertia,
     "lower": lambda _, value: text_of(value).lower(),
+    "is-like": lambda _, value, pattern: re.fullmatch(pattern, text_of(value)) is not None,
     "suffix": lambda _, value: Path(text_of(value)).suffix.lower(),
 }
 """The functions of all formats."""
@@ -224,7 +227,10 @@ def _without(document: Document, found: list[etree._Element], wanted: list[str])
 
 
 def _unknown(document: Document, found: list[etree._Element], about: Mapping[str, Any]) -> Iterator[Place]:
-    """Each element whose `value` is none of those `among` which it should be: a list, or an XPath; `$near` is one."""
+    """Each element whose `value` is none of those `among` which it should be; `$near` is one of them.
+
+    They are a list, an XPath, or the name of a set of the document.
+    """
     among: list[str] | str = about["among"]
     above = among.count("../") if isinstance(among, str) else 0
     names: dict[object, dict[str, None]] = {}
@@ -233,7 +239,10 @@ def _unknown(document: Document, found: list[etree._Element], about: Mapping[str
         value = text_of(document.select(about["value"], element))
         start = next(itertools.islice(element.iterancestors(), above - 1, None)) if above else document.root
         if start not in names:
-            selected = among if isinstance(among, list) else map(text_of, document.select(among, element))
+            if isinstance(among, list) or among in document.sets:
+                selected: Iterable[str] = among if isinstance(among, list) else document.sets[among]
+            else:
+                selected = map(text_of, document.select(among, element))
             names[start] = dict.fromkeys(selected)
         known = names[start]
         if value and value not in known:

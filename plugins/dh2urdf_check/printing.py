@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Mark
     from dh2urdf.stages import Effect, Finding
     from dh2urdf_check.ask.asking import Answer
-    from dh2urdf_check.several import Inspections
+    from dh2urdf_check.reports import Report
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 SHORT = 20
@@ -67,55 +67,35 @@ def _general(text: str) -> str:
     return _PARTICULAR.sub("#", text)
 
 
-def print_findings(
-    findings: Sequence[Finding],
-    consumers: Mapping[str, str],
-    asked: Sequence[Answer],
-    comparison: tuple[Agreement, Manipulator, Path] | None = None,
-    several: Inspections | None = None,
-    *,
-    is_whole: bool,
-) -> None:
+def print_report(report: Report, *, is_whole: bool) -> None:
     """Print findings, how many there are, what came of the comparison, and who loads the file.
 
     Args:
-        findings: what was found.
-        consumers: whom the findings are about.
-        asked: what the programs made of the files that they were given.
-        comparison: the arm beside that of a table.
-        several: the files, where it is not one.
+        report: what there is to print.
         is_whole: whether each finding is printed by itself, with all that is known of it.
     """
-    of_the_file = [finding for finding in findings if finding.rule != OTHER_ARM]
-    left_out = 0
-    if is_whole:
-        for finding in of_the_file:
-            _print([*_lines(Cause(finding, []), is_whole=True)], finding.severity)
-    else:
-        left_out = _print_causes(causes(of_the_file))
-    rest = f"; {left_out} of them are not printed: --verbose prints all" if left_out else ""
-    answer(f"{numbers_of(of_the_file)}{rest}")
-    if several is not None:
-        packages = sum(path.name == PACKAGE_FILE for path in several.files)
-        checked = [_count(len(several.files) - packages, "description")]
-        checked += [_count(packages, "package")] if packages else []
-        answer(f"{' and '.join(checked)} checked; {_count(several.looked_at, 'file')} looked at")
-    if comparison:
-        answer("\n".join(map(printable, _comparison(*comparison))))
-    answer(printable(verdict(consumers, of_the_file, asked)))
-
-
-def _print_causes(found: Sequence[Cause]) -> int:
-    """Print causes; how many findings were left out."""
+    of_the_file = [finding for finding in report.findings if finding.rule != OTHER_ARM]
+    found = [Cause(finding, []) for finding in of_the_file] if is_whole else causes(of_the_file)
     count = left_out = 0
     for cause in found:
-        lines = [*_lines(cause, is_whole=False)]
-        if cause.first.severity != "error" and count + len(lines) > SHORT:
+        lines = [*_lines(cause, is_whole=is_whole)]
+        if not is_whole and cause.first.severity != "error" and count + len(lines) > SHORT:
             left_out += 1 + len(cause.others)
             continue
         count += len(lines)
         _print(lines, cause.first.severity)
-    return left_out
+    rest = f"; {left_out} of them are not printed: --verbose prints all" if left_out else ""
+    answer(f"{numbers_of(of_the_file)}{rest}")
+    if not report.is_one:
+        files = report.inspections.files
+        packages = sum(path.name == PACKAGE_FILE for path in files)
+        checked = [_count(len(files) - packages, "description")]
+        checked += [_count(packages, "package")] if packages else []
+        looked_at = _count(report.inspections.looked_at, "file")
+        answer(f"{' and '.join(checked)} checked; {looked_at} looked at")
+    if report.comparison:
+        answer("\n".join(map(printable, _comparison(*report.comparison))))
+    answer(printable(verdict(report.consumers, of_the_file, report.inspections.answers)))
 
 
 def _print(lines: Sequence[str], severity: str) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import quote
 
 from dh2urdf import __version__
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.comparison import Agreement, Difference
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.source import Mark
-    from dh2urdf_check.ask.asking import Answer
-    from dh2urdf_check.several import Inspections
+    from dh2urdf_check.files import Inspections
 
 SCHEMA = "dh2urdf-check/1"
 """Name and version of the form of the JSON."""
@@ -55,25 +55,47 @@ def _errors(difference: Difference) -> str:
     return f"{difference.position_error:.3g} m and {difference.angle_error:.3g} rad"
 
 
-def as_json(
-    file: Path,
-    findings: Sequence[Finding],
-    consumers: Mapping[str, str],
-    answers: Sequence[Answer],
-    comparison: tuple[Agreement, Manipulator, Path] | None,
-) -> str:
+class Report(NamedTuple):
+    """What a command reports.
+
+    Attributes:
+        inspections: the files, and what was found in them.
+        findings: what of that is about the consumers that are asked for.
+        consumers: whom the findings are about.
+        comparison: the arm beside that of a table.
+        is_one: whether the command is about one file.
+    """
+
+    inspections: Inspections
+    findings: Sequence[Finding]
+    consumers: Mapping[str, str]
+    comparison: tuple[Agreement, Manipulator, Path] | None = None
+    is_one: bool = True
+
+
+def as_json(report: Report) -> str:
     """What was found, as a JSON text."""
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
-        "version": __version__,
-        "file": str(file),
-        "consumers": dict(consumers),
-        "asked": {each.program.consumer: {"program": each.name, "end": each.end} for each in answers},
-        "counts": counts(findings),
-        "findings": [finding_entry(finding) for finding in findings],
-    }
-    if comparison:
-        document["comparison"] = _comparison(*comparison)
+    found, findings, answers = report.inspections, report.findings, report.inspections.answers
+    document: dict[str, Any] = {"schema": SCHEMA, "version": __version__}
+    if report.is_one:
+        document["file"] = str(found.files[0])
+        asked: dict[str, Any] = {each.program.consumer: {"program": each.name, "end": each.end} for each in answers}
+    else:
+        document |= {"files": [str(file) for file in found.files], "looked_at": found.looked_at}
+        names = dict.fromkeys(each.name for each in answers)
+        asked = {name: dict(Counter(each.end for each in answers if each.name == name)) for name in names}
+    document |= {"consumers": dict(report.consumers), "asked": asked, "counts": counts(findings)}
+    if not report.is_one:
+        document["rules"] = {
+            rule: {
+                "severity": min((each.severity for each in of_rule), key=SEVERITIES.index),
+                "files": dict(Counter(each.mark.file if each.mark else "" for each in of_rule)),
+            }
+            for rule, of_rule in by_rule(findings).items()
+        }
+    document["findings"] = [finding_entry(finding) for finding in findings]
+    if report.comparison:
+        document["comparison"] = _comparison(*report.comparison)
     return json.dumps(document, indent=2, ensure_ascii=False)
 
 
@@ -87,35 +109,6 @@ def by_rule(findings: Sequence[Finding]) -> dict[str, list[Finding]]:
         return min(SEVERITIES.index(finding.severity) for finding in item[1])
 
     return dict(sorted(groups.items(), key=badness))
-
-
-def in_files(findings: Sequence[Finding]) -> dict[str, int]:
-    """How many findings there are in each file."""
-    files: dict[str, int] = {}
-    for finding in findings:
-        name = finding.mark.file if finding.mark else ""
-        files[name] = files.get(name, 0) + 1
-    return files
-
-
-def several_as_json(several: Inspections, findings: Sequence[Finding], consumers: Mapping[str, str]) -> str:
-    """What was found, as a JSON text."""
-    names = dict.fromkeys(each.name for each in several.answers)
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
-        "version": __version__,
-        "files": [str(file) for file in several.files],
-        "looked_at": several.looked_at,
-        "consumers": dict(consumers),
-        "asked": {name: dict(Counter(each.end for each in several.answers if each.name == name)) for name in names},
-        "counts": counts(findings),
-        "rules": {
-            rule: {"severity": min((f.severity for f in found), key=SEVERITIES.index), "files": in_files(found)}
-            for rule, found in by_rule(findings).items()
-        },
-        "findings": [finding_entry(finding) for finding in findings],
-    }
-    return json.dumps(document, indent=2, ensure_ascii=False)
 
 
 def finding_entry(finding: Finding) -> dict[str, Any]:
@@ -135,11 +128,7 @@ def finding_entry(finding: Finding) -> dict[str, Any]:
 
 
 def _place(mark: Mark | None) -> dict[str, Any]:
-    return {
-        "file": mark.file if mark else None,
-        "line": mark.line if mark else None,
-        "column": mark.column if mark else None,
-    }
+    return {name: getattr(mark, name, None) for name in ("file", "line", "column")}
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> dict[str, Any]:
@@ -173,13 +162,7 @@ def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> 
 
 
 def _difference(difference: Difference | None) -> dict[str, Any] | None:
-    if difference is None:
-        return None
-    return {
-        "position_error": difference.position_error,
-        "angle_error": difference.angle_error,
-        "q": list(difference.q),
-    }
+    return {**asdict(difference), "q": list(difference.q)} if difference else None
 
 
 def _pose(pose: Any) -> dict[str, list[float]]:  # noqa: ANN401 - a rigid transform

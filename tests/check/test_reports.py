@@ -7,7 +7,8 @@ import pytest
 
 from dh2urdf.source import Mark
 from dh2urdf.stages import Effect, Finding
-from dh2urdf_check.reports import as_json, as_sarif, counts
+from dh2urdf_check.files import Inspections
+from dh2urdf_check.reports import Report, as_json, as_sarif, counts
 
 MILD = Effect(consumer="one", severity="note", text="says so")
 BAD = Effect(consumer="two", severity="warning", text="reads it otherwise")
@@ -48,4 +49,5 @@ def test_the_same_findings_are_the_same_bytes() -> None:
     """No time and no order of chance is in either form."""
     findings = [finding(MILD, BAD), finding(BAD, line=1)]
     assert as_sarif(findings) == as_sarif(findings)
-    assert as_json(Path("a"), findings, {}, (), None) == as_json(Path("a"), findings, {}, (), None)
+    report = Report(Inspections((Path("a"),), 1, {}, tuple(findings)), findings, {})
+    assert as_json(report) == as_json(report)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from lxml import etree
@@ -9,16 +10,18 @@ from lxml import etree
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.meshes import own_folder, packages_in, with_its_own
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import PACKAGE_FILE, Finding, Inspection
-from dh2urdf_check.packages import manifest, names, paths
-from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, package_rules, parsed
+from dh2urdf_check.packages import names, paths
+from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, of_document, package_rules, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from dh2urdf.stages import Expansion
+
+_PROJECT = re.compile(r"^[ \t]*project\s*\(\s*([^\s)]+)", re.IGNORECASE | re.MULTILINE)
 
 
 def packages(roots: Mapping[Path, str]) -> Iterator[Path]:
@@ -53,7 +56,16 @@ def inspect_package(path: Path, expansion: Expansion) -> Inspection:
     known = with_its_own(path, packages_in(expansion.package_paths))
     package = Package(place.parent, root, {name: each for name, each in known.items() if each != folder})
     package = Package(place.parent, root, {**package.known, package.name: place.parent})
-    return _inspection([hit for rules in (manifest, paths, names) for hit in rules.hits(package)])
+    return _inspection([*of_document(root, place), *_project(package), *paths.hits(package), *names.hits(package)])
+
+
+def _project(package: Package) -> Iterator[Hit]:
+    path = package.folder / "CMakeLists.txt"
+    text = (package.content(path) or b"").decode("utf-8", "replace")
+    match = _PROJECT.search(text)
+    if match and "$" not in match[1] and match[1].strip('"') != package.name:
+        mark = Mark(file=str(path), line=text.count("\n", 0, match.start(1)) + 1)
+        yield Hit("package-project-name", mark, f"the project is {shown(match[1])}, the package {shown(package.name)}")
 
 
 def _inspection(hits: Iterable[Hit]) -> Inspection:

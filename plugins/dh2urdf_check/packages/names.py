@@ -10,15 +10,16 @@ from lxml import etree
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, did_you_mean, shown
-from dh2urdf_check.packages.package import Hit, parsed
+from dh2urdf_check.packages.package import Hit, of_document, parsed
+from dh2urdf_plugins.formats.xml_files import mark_of
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
     from dh2urdf.documents import Node
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Joint
     from dh2urdf_check.packages.package import Package
 
 _TAG = re.compile(rb"(?:^|[\s\[{,:])![A-Za-z!<]")
@@ -189,53 +190,16 @@ def _srdf(path: Path, package: Package) -> Iterator[Hit]:
             return
         (robot,) = package.robots
         message = f"the SRDF is of the robot {shown(name)}, the description of {shown(robot.name)}"
-        yield Hit("package-srdf-robot", _mark(path, root), message)
-    yield from _srdf_names(path, root, robot)
-    joints = {joint.name: joint for joint in robot.moving_joints}
+        yield Hit("package-srdf-robot", mark_of(root), message)
+    virtual = [each.get("name") or "" for each in root.iterfind("virtual_joint")]
+    links, joints = [link.name for link in robot.links], [*(joint.name for joint in robot.joints), *virtual]
+    yield from of_document(root, path, {"$links": links, "$joints": joints})
+    moving = {joint.name: joint for joint in robot.moving_joints}
     for each in root.iterfind("group_state/joint"):
-        joint = joints.get(each.get("name") or "")
+        joint, state = moving.get(each.get("name") or ""), each.getparent()
         try:
             value = float(each.get("value") or "")
         except ValueError:  # A joint of several values, or none that can be compared.
             continue
-        if joint is not None:
-            state = (each.getparent().get("name") or "") if each.getparent() is not None else ""  # type: ignore[union-attr]
-            yield from _outside(value, joint, _mark(path, each), f"the state {shown(state)}")
-
-
-def _srdf_names(path: Path, root: etree._Element, robot: Robot) -> Iterator[Hit]:
-    links = {link.name for link in robot.links}
-    joints = {joint.name for joint in robot.joints} | {
-        each.get("name") or "" for each in root.iterfind("virtual_joint")
-    }
-    groups = {each.get("name") or "" for each in root.iterfind("group")}
-    named: list[tuple[str, str, set[str], str]] = [
-        ("disable_collisions", "link1", links, "link"),
-        ("disable_collisions", "link2", links, "link"),
-        ("virtual_joint", "child_link", links, "link"),
-        ("end_effector", "parent_link", links, "link"),
-        ("end_effector", "group", groups, "group"),
-        ("group/chain", "base_link", links, "link"),
-        ("group/chain", "tip_link", links, "link"),
-        ("group/link", "name", links, "link"),
-        ("group/joint", "name", joints, "joint"),
-        ("group/group", "name", groups, "group"),
-        ("group_state", "group", groups, "group"),
-        ("group_state/joint", "name", joints, "joint"),
-        ("passive_joint", "name", joints, "joint"),
-    ]
-    for place, attribute, known, what in named:
-        for each in root.iterfind(place):
-            yield from _known(each, attribute, known, f"{each.tag} names the {what}", path)
-
-
-def _known(element: etree._Element, attribute: str, known: Iterable[str], what: str, path: Path) -> Iterator[Hit]:
-    name = element.get(attribute)
-    if name is not None and name not in known:
-        near = did_you_mean(name, known)
-        message = f"{what} {shown(name)}, which is not there"
-        yield Hit("package-srdf-name", _mark(path, element), f"{message}: {near}" if near else message)
-
-
-def _mark(path: Path, element: etree._Element) -> Mark:
-    return Mark(file=str(path), line=element.sourceline)  # type: ignore[arg-type]  # the stubs of lxml
+        if joint is not None and state is not None:
+            yield from _outside(value, joint, mark_of(each), f"the state {shown(state.get('name') or '')}")

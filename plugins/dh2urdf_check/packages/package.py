@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.documents import is_file, is_there, read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.stages import PACKAGE_FILE, Expansion
+from dh2urdf_check.files import urdfs, xacros
+from dh2urdf_check.finders import Document
 from dh2urdf_check.rules import Rule, rules_of
-from dh2urdf_check.whole_files import urdfs, xacros
 from dh2urdf_plugins.descriptions.description import describe
-from dh2urdf_plugins.formats.xml_files import FILE
+from dh2urdf_plugins.formats.xml_files import FILE, mark_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
+    from collections.abc import Collection, Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
 
     from lxml import etree  # noqa: TC004
 
@@ -65,6 +66,20 @@ def parsed(content: bytes, path: Path) -> etree._Element:
 def package_rules() -> dict[str, Rule]:
     """The rules of packages by name, in the order of their table."""
     return rules_of("packages", CONSUMERS)
+
+
+def of_document(root: etree._Element, path: Path, sets: Mapping[str, Collection[str]] | None = None) -> Iterator[Hit]:
+    """The places of a file of a package where it breaks rules that are data.
+
+    Args:
+        root: its outermost element.
+        path: the file.
+        sets: the names that rules know by a word.
+    """
+    document = Document(root, path)
+    document.sets |= sets or {}
+    for hit in document.hits(package_rules().values()):
+        yield Hit(hit.rule, mark_of(hit.at), hit.message)  # type: ignore[arg-type]  # no rule is of the text
 
 
 @dataclass(frozen=True)

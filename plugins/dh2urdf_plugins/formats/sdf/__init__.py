@@ -40,7 +40,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),
-        *checks("models:inspect_sdf", "whole_files:sdfs"),
+        *checks("models:inspect_sdf", "files:sdfs"),
         GivesNotices(notices),
     ),
 )

@@ -90,7 +90,7 @@ EMITTER = Emitter(
         ReadsBack(read_urdf),
         ReadsForeign(foreign_urdf),
         EmitsInColumns(emit_columns, read_urdfs),
-        *checks("inspection:inspect_urdf", "whole_files:urdfs", "fixing:fixed", finds_packages=True),
+        *checks("inspection:inspect_urdf", "files:urdfs", "fixing:fixed", finds_packages=True),
         GivesNotices(notices),
     ),
 )

@@ -35,7 +35,7 @@ EMITTER = Emitter(
         ReadsBack(read_xacro, is_costly=True),
         ReadsForeign(foreign_xacro, has_macros=True),
         OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
-        *checks("inspection:inspect_xacro", "whole_files:xacros"),
+        *checks("inspection:inspect_xacro", "files:xacros"),
         GivesNotices(notices),
     ),
 )

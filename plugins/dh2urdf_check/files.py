@@ -1,0 +1,296 @@
+"""Findings about files and folders: which files of a folder are descriptions, and what is found in each of them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from lxml import etree
+
+from dh2urdf.commands.check import emitter_of, has_macros, inspect
+from dh2urdf.documents import read_bytes
+from dh2urdf.documents.text_files import check_file, is_folder
+from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.source import Mark, Problem
+from dh2urdf.stage_calls.calls import Call, a_record, depending_on, items_of
+from dh2urdf.stages import PACKAGE_FILE, Checks, Expansion, Finding, Repair
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
+    from dh2urdf.robot import Robot
+    from dh2urdf_check.ask.asking import Answer
+
+_UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
+_BEGINNING = 2**16
+"""As much of a file as is read to know whether it is a description [B]."""
+_LONGEST_SEARCHED = 2**24
+"""Size of a file that is searched for what it includes [B]."""
+_INCLUDE = re.compile(rb"<(?:xacro:)?include\s[^>]*?file(?:name)?\s*=\s*[\"']([^\"']+)[\"']")
+_WAY = re.compile(r"^.*[)}]/*|^/+|^(?:\.{1,2}/)+")
+_NAMED = re.compile(rb"<robot\b[^>]*?\sname\s*=")
+
+
+class Described(NamedTuple):
+    """What is in some folders.
+
+    Attributes:
+        files: the descriptions, each with the name of its format, in the order of their paths.
+        unreadable: what is wrong with files that could not be looked at.
+        looked_at: how many files there are.
+        packages: the folders that are ROS packages.
+    """
+
+    files: tuple[tuple[Path, str], ...]
+    unreadable: tuple[Problem, ...]
+    looked_at: int
+    packages: tuple[Path, ...]
+
+
+class Inspections(NamedTuple):
+    """Findings about some files.
+
+    Attributes:
+        files: the descriptions that were inspected.
+        looked_at: how many files were looked at to find them.
+        consumers: the consumers of their formats.
+        findings: what was found, in the order of the files; of a file that several include, once.
+        answers: what the programs made of the files that were asked.
+        robot: the robot of a single file, as far as it can be read.
+    """
+
+    files: tuple[Path, ...]
+    looked_at: int
+    consumers: dict[str, str]
+    findings: tuple[Finding, ...]
+    answers: tuple[Answer, ...] = ()
+    robot: Robot | None = None
+
+
+def inspect_files(
+    catalog: Catalog,
+    paths: Sequence[Path],
+    format_name: str | None,
+    expansion: Expansion,
+    asked: Sequence[str] | None = None,
+) -> Inspections:
+    """The findings about files and about the descriptions in folders, which know the ROS packages in there.
+
+    Args:
+        catalog: the emitters that there are.
+        paths: files and folders.
+        format_name: the format of the files that are named; by their suffix where it is None.
+        expansion: how those are expanded that hold macros, and where packages are.
+        asked: the consumers whose programs are given the files, all where it is empty; None where nobody is asked.
+
+    Raises:
+        InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
+        ConfigError: the format of a file that is named cannot be checked, or no file takes the arguments.
+        BrokenPluginError: an emitter is at fault.
+    """
+    from dh2urdf_check.ask.findings import asking, seen_findings
+
+    folders = [path for path in paths if is_folder(path)]
+    named = [path for path in paths if path not in folders]
+    for path in named:
+        check_file(path, InputError)
+    described = described_files(catalog, folders)
+    waiting = dict.fromkeys([*((path, format_name) for path in named), *described.files])
+    is_one = len(waiting) == 1 and not folders
+    known = replace(expansion, package_paths=(*expansion.package_paths, *described.packages))
+    emitters = {path: emitter_of(catalog, path, name, _CHOICE) for path, name in waiting}
+    findings = list(map(_unreadable, described.unreadable))
+    is_used = is_one or expansion == Expansion()
+    consumers: dict[str, str] = {}
+    answers: list[Answer] = []
+    robot = None
+    with asking(catalog, list(emitters.items()), known, asked) as seen:
+        inspected = {}
+        for path, emitter in emitters.items():
+            checks = emitter.can(Checks)
+            expands, finds = has_macros(emitter), checks is not None and checks.finds_packages
+            is_used = is_used or expands or (finds and not expansion.arguments)
+            given = known if expands or is_one else replace(known, arguments={}) if finds else None
+            try:
+                inspected[path] = inspect(catalog, path, emitter.name, _CHOICE, given)
+            except InputError as error:
+                if is_one or isinstance(error, ConfigError):
+                    raise
+                findings += map(_unreadable, error.problems)
+        seen_of = {each.given.path: each for each in seen}
+    for path, inspection in inspected.items():
+        consumers.update(inspection.consumers)
+        robot = inspection.robot if is_one else None
+        if each := seen_of.get(path):
+            answers.extend(each.answers)
+        findings.extend(seen_findings(each, inspection.findings) if each else inspection.findings)
+    if not is_used:
+        message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
+        raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
+    different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
+    return Inspections(
+        files=tuple(emitters),
+        looked_at=len(named) + described.looked_at,
+        consumers=consumers,
+        findings=tuple(findings) if is_one else tuple(reversed(different.values())),
+        answers=tuple(answers),
+        robot=robot,
+    )
+
+
+_CHOICE = "`--as NAME`"
+
+
+def _unreadable(problem: Problem) -> Finding:
+    return replace(_UNREADABLE, message=problem.message, mark=problem.mark)
+
+
+def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
+    """A file with what its emitter can fix.
+
+    Raises:
+        InputError: the file cannot be read.
+        ConfigError: files of the format are not fixed.
+        BrokenPluginError: the emitter is at fault.
+    """
+    emitter = emitter_of(catalog, file, format_name, _CHOICE)
+    checks = emitter.can(Checks)
+    if checks is None or checks.fix is None:
+        message = f"files of the format {emitter.name!r} are not fixed"
+        suggestion = "fix them at the places that the findings name"
+        raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
+    with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
+        return a_record(checks.fix(file), Repair)
+
+
+# --- The descriptions in a folder -------------------------------------------------------------------------------------
+
+
+def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
+    """The robot descriptions in some folders and in those below them; hidden folders are not entered.
+
+    Args:
+        catalog: the emitters, which know the descriptions of their formats.
+        folders: the folders.
+
+    Raises:
+        InputError: a folder cannot be read, or there is no description in it.
+        BrokenPluginError: an emitter is at fault.
+    """
+    files, unreadable, looked_at = dict[tuple[Path, str], None](), list[Problem](), 0
+    packages: list[Path] = []
+    for folder in folders:
+        roots: dict[Path, str] = {}
+        paths = sorted(_files(folder, unreadable))
+        for path in paths:
+            try:
+                check_file(path, InputError)
+                roots[path] = _outermost(path)
+            except InputError as error:
+                unreadable.extend(error.problems)
+        found = {path: name for name, path in _claimed(catalog, roots)}
+        if not found and not unreadable:
+            raise InputError(
+                Problem(
+                    message=f"no robot description is in this folder ({len(paths)} files looked at)",
+                    mark=Mark(file=str(folder)),
+                    accepted="files whose outermost element is that of a format that `dh2urdf check` knows",
+                )
+            )
+        looked_at += len(paths)
+        packages.extend(path.parent for path in paths if path.name == PACKAGE_FILE)
+        files |= dict.fromkeys(sorted(found.items()))
+    return Described(tuple(files), tuple(unreadable), looked_at, tuple(packages))
+
+
+def _claimed(catalog: Catalog, roots: dict[Path, str]) -> Iterator[tuple[str, Path]]:
+    for provided in catalog.provided("emitter"):
+        emitter, checks = provided.stage, provided.stage.can(Checks)
+        if checks is None or checks.descriptions is None:
+            continue
+        with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "descriptions"):
+            for path in items_of(checks.descriptions(roots), "paths"):
+                yield emitter.name, path
+
+
+def _files(folder: Path, unreadable: list[Problem]) -> Iterator[Path]:
+    def refused(error: OSError) -> None:
+        message = f"this folder cannot be read: {error.strerror}"
+        unreadable.append(Problem(message=message, mark=Mark(file=str(error.filename))))
+
+    for inner, folders, names in os.walk(folder, onerror=refused):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        yield from (Path(inner, name) for name in names)
+
+
+def _outermost(path: Path) -> str:
+    """The name of a file's outermost element; empty where the file does not begin as XML does.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            beginning = file.read(_BEGINNING)
+    except OSError as error:
+        raise InputError(Problem(message=f"it cannot be read: {error.strerror}", mark=Mark(file=str(path)))) from None
+    parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True, load_dtd=False)
+    with contextlib.suppress(etree.XMLSyntaxError):
+        parser.feed(beginning.lstrip())
+    return next((str(element.tag).rpartition("}")[2] for _, element in parser.read_events()), "")  # type: ignore[union-attr]  # the stubs of lxml
+
+
+# --- Which of them are whole, and not parts that others include -------------------------------------------------------
+
+
+def urdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``robot``, or that are called ``.urdf`` and begin with no element.
+
+    The outermost element of SRDF, which says what MoveIt does with a robot, is ``robot`` too.
+    """
+    for path, tag in roots.items():
+        is_urdf = tag == "robot" or (not tag and path.suffix.lower() == ".urdf")
+        if is_urdf and not _is_xacro(path) and ".srdf" not in path.suffixes:
+            yield path
+
+
+def xacros(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files called ``.xacro`` whose robot has a name, and that no other includes."""
+    whole = _whole(roots, lambda path, tag: _is_xacro(path) and tag in {"robot", ""})
+    yield from (path for path, text in whole if ".srdf" not in path.suffixes and _NAMED.search(text))
+
+
+def sdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``sdf``, or that are called ``.sdf`` and begin with no element."""
+    yield from (path for path, tag in roots.items() if tag == "sdf" or (not tag and path.suffix.lower() == ".sdf"))
+
+
+def mjcfs(roots: Mapping[Path, str]) -> Iterator[Path]:
+    """Files whose outermost element is ``mujoco``, and that no other includes."""
+    yield from (path for path, _ in _whole(roots, lambda _, tag: tag == "mujoco"))
+
+
+def _is_xacro(path: Path) -> bool:
+    return path.suffix.lower() == ".xacro"
+
+
+def _whole(roots: Mapping[Path, str], is_one: Callable[[Path, str], bool]) -> Iterator[tuple[Path, bytes]]:
+    """Files of a format that no other of them includes, with their text."""
+    texts: dict[Path, bytes] = {}
+    for path in (path for path, tag in roots.items() if is_one(path, tag)):
+        try:
+            texts[path] = read_bytes(path, InputError, limit=_LONGEST_SEARCHED)
+        except InputError:  # The inspection of the file reports it.
+            texts[path] = b"<robot name=''/>"
+    # What follows a package, an argument, or the way to another folder.
+    named = (name.decode("utf-8", "replace") for text in texts.values() for name in _INCLUDE.findall(text))
+    ends = {_WAY.sub("", name.replace("\\", "/")) for name in named}
+    for path, text in texts.items():
+        parts = path.absolute().parts
+        if not any("/".join(parts[-count:]) in ends for count in range(1, len(parts) + 1)):
+            yield path, text

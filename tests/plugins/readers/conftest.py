@@ -2,12 +2,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -42,3 +43,18 @@ def read_one(read: Callable[..., list[Manipulator | Rejected]]) -> Callable[...,
         return arm
 
     return read_table
+
+
+@pytest.fixture
+def fast(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many manipulators each fast reading gives; 0 where it leaves them to the careful one."""
+    counts: list[int] = []
+    plain = PlainRows.read
+
+    def counted(self: PlainRows, *arguments: Any) -> Any:
+        found = plain(self, *arguments)
+        counts.append(sum(len(members) for members, _ in found or ()))
+        return found
+
+    monkeypatch.setattr(PlainRows, "read", counted)
+    return counts

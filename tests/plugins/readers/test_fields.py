@@ -1,3 +1,5 @@
+"""What the text of a header says, and words for types and conventions."""
+
 from __future__ import annotations
 
 import pytest
@@ -7,108 +9,62 @@ from dh2urdf.manipulator import Convention, JointType
 from dh2urdf_plugins.readers.header.words import misspelt, one_slip, read_header
 from dh2urdf_plugins.readers.words.fields import convention_of, joint_type
 
-
-@pytest.mark.parametrize(
-    ("text", "field", "unit", "link"),
-    [
-        ("a", "a", None, None),
-        ("R", "a", None, None),
-        ("a [mm]", "a", "mm", None),
-        ("α [r a d ]", "alpha", "rad", None),
-        ("θ ( d e g )", "theta", "deg", None),
-        ("a(mm)", "a", "mm", None),
-        ("a/mm", "a", "mm", None),
-        ("a_mm", "a", "mm", None),
-        ("a, mm", "a", "mm", None),
-        ("a in mm", "a", "mm", None),
-        ("a_i [m]", "a", "m", "i"),
-        ("aᵢ", "a", None, "i"),
-        ("a_{i-1}", "a", None, "i-1"),
-        ("$a_{i-1}$", "a", None, "i-1"),
-        ("aᵢ₋₁ [mm]", "a", "mm", "i-1"),
-        ("a(i-1)", "a", None, "i-1"),
-        ("a_i-1", "a", None, "i-1"),
-        ("a_j−1", "a", None, "i-1"),
-        ("Link length (m)", "a", "m", None),
-        ("a (m) [m]", "a", "m", None),
-        ("a (in metres) [m]", "a", "m", None),
-        ("d (along z) [mm]", "d", "mm", None),
-        ("a [mm] [m]", "a", "mm and m", None),
-        ("a_mm (m)", "a", "mm and m", None),
-        ("theta in rad [deg]", "theta", "rad and deg", None),
-        ("alpha_{i+1} [deg]", "alpha", "deg", "i+1"),
-        ("alpha_{ii-1} [deg]", None, "deg", None),
-        ("α", "alpha", None, None),
-        ("𝛼", "alpha", None, None),
-        ("α°", "alpha", "°", None),
-        ("α [º]", "alpha", "°", None),
-        ("α [\N{WHITE BULLET}]", "alpha", "°", None),
-        (r"\alpha_{i-1}", "alpha", None, "i-1"),
-        ("alpha_deg", "alpha", "deg", None),
-        ("ALPHA (DEG)", "alpha", "DEG", None),
-        ("Link-Twist", "alpha", None, None),
-        ("d_m", "d", "m", None),
-        ("Link offset", "d", None, None),
-        ("theta*", "theta", None, None),
-        ("ϑ_i", "theta", None, "i"),
-        ("Joint offset", "offset", None, None),
-        ("Joint Offset (d_i)", "d", None, "i"),
-        ("velocity_deg_s", "velocity", "deg/s", None),
-        ("θ (variable)", "theta", None, None),
-        ("theta_i (var.) [deg]", "theta", "deg", "i"),
-        ("max_vel_rad_per_sec", "velocity", "rad/sec", None),
-        ("Ixx_kg_m2", "ixx", "kg·m2", None),
-        ("cgx [mm]", "com_x", "mm", None),
-        ("joint offset d [mm]", "d", "mm", None),
-        ("Distance (d)", "d", None, None),
-        ("angle θ_i (deg)", "theta", "deg", "i"),
-        ("Kąt θ [°]", "theta", "°", None),
-        ("角度θ/(°)", "theta", "°", None),
-        ("Angle α", "alpha", None, None),
-        ("offset (deg)", "offset", "deg", None),
-        ("link length d", None, None, None),
-        ("twist angle θ", None, None, None),
-        ("Links", "link", None, None),
-        ("Joints", "joint", None, None),
-        ("q_min [deg]", "lower", "deg", None),
-        ("velocity [deg/s]", "velocity", "deg/s", None),
-        ("com_x [mm]", "com_x", "mm", None),
-        ("com x", "com_x", None, None),
-        ("ixx [kg·m²]", "ixx", "kg·m2", None),
-        ("mass [kg]", "mass", "kg", None),
-        ("effort (N m)", "effort", "N m", None),
-        ("#", "index", None, None),
-        ("i", "index", None, None),
-        ("Joint Type", "type", None, None),
-        ("σ", "type", None, None),
-        ("comment", None, None, None),
-        ("a b", None, None, None),
-        ("", None, None, None),
-    ],
-)
-def test_a_header_names_a_field_its_unit_and_its_link(
-    text: str, field: str | None, unit: str | None, link: str | None
-) -> None:
-    """As textbooks, spreadsheets, LaTeX and code write it."""
-    header = read_header(text)
-    assert (header.field and header.field.name, header.unit, header.link) == (field, unit, link)
+HEADERS = {
+    ("a", None, None): "a; R; a*; dh_a; DH parameter a; a (DH); link length (a)",
+    ("a", "mm", None): "a [mm]; a/mm; a_mm; a, mm; a in mm; a {mm}; a <mm>; a|mm; DH a [mm]; a¹ [mm]; a [mm]†",
+    ("a", None, "i"): "aᵢ; a_i*",
+    ("a", None, "i-1"): "a_{i-1}; $a_{i-1}$; a(i-1); a_i-1; a_j−1",
+    ("a", "mm", "i-1"): "aᵢ₋₁ [mm]",
+    ("a", "mm", "i"): "Link length a_i/mm; 连杆长度ai/mm",
+    ("a", "m", None): "Link length (m); a (m) [m]; a (in metres) [m]",
+    ("a", "mm and m", None): "a [mm] [m]; a_mm (m)",
+    ("theta", "rad and deg", None): "theta in rad [deg]",
+    ("alpha", None, None): "α; 𝛼; Link-Twist; Angle α; twist α; α (twist); DH alpha",
+    ("alpha", None, "i"): r"$\alpha_i$; ⍺ⱼ",
+    ("alpha", None, "i-1"): r"\alpha_{i-1}",
+    ("alpha", "°", None): "α°; α [º]; α [\N{WHITE BULLET}]",
+    ("alpha", "rad", None): "α [r a d ]",
+    ("alpha", "DEG", None): "ALPHA (DEG)",
+    ("alpha", "deg", "i+1"): "alpha_{i+1} [deg]",
+    (None, "deg", None): "alpha_{ii-1} [deg]",
+    ("d", None, None): "d¹; offset d; Link offset; Offset (d); d (offset); Distance (d)",
+    ("d", None, "i"): "Joint Offset (d_i); Offset d_i",
+    ("d", "mm", None): "joint offset d [mm]; d (along z) [mm]",
+    ("theta", None, None): "theta*; θ (variable)",
+    ("theta", "°", None): "Kąt θ [°]; 角度θ/(°)",
+    ("theta", "deg", "i"): "angle θ_i (deg); theta_i (var.) [deg]",
+    ("offset", "deg", None): "offset (deg)",
+    ("velocity", "deg/s", None): "velocity_deg_per_s; velocity_deg_s; velocity [deg/s]",
+    ("velocity", "°/s", None): "ω/(°/s)",
+    ("effort", "Nm", None): "max [Nm]",
+    ("effort", "N m", None): "effort (N m)",
+    ("com", "mm", None): "CoG (x, y, z) [mm]",
+    ("com_x", "mm", None): "cgx [mm]; com_x [mm]",
+    ("inertia", "kg m2", None): "Inertia Tensor (3x3) [kg m²]",
+    ("ixx", "kg·m2", None): "Ixx_kg_m2; ixx [kg·m²]",
+    ("index", None, None): "#; i",
+    ("type", None, None): "Joint Type; σ",
+    (None, None, None): "link length d; twist angle θ; comment; a b; d1; grad; ",
+}
+"""Headers by what they say: the field, the unit and the link."""
 
 
-@pytest.mark.parametrize(
-    ("word", "field"),
-    [("alhpa", "alpha"), ("thta", "theta"), ("typ", "type"), ("offsets", "offset"), ("tetha", "theta")],
-)
-def test_a_header_with_one_slip_is_surely_a_field(word: str, field: str) -> None:
+@pytest.mark.parametrize(("said", "texts"), HEADERS.items(), ids=map(str, HEADERS))
+def test_a_header_names_a_field_its_unit_and_its_link(said: tuple[str | None, ...], texts: str) -> None:
+    """As textbooks, spreadsheets, LaTeX and code write it: units in any brackets, footnotes, a symbol behind its words."""
+    for text in texts.split("; "):
+        header = read_header(text)
+        assert (header.field and header.field.name, header.unit, header.link) == said, text
+
+
+def test_a_header_with_one_slip_is_surely_a_field() -> None:
     """One letter more, less, other or exchanged, in a word of four or more; or all letters in another order."""
-    meant = misspelt(word)
-    assert meant is not None
-    assert meant.name == field
-
-
-@pytest.mark.parametrize("word", ["jm", "b", "dd", "comment", "remarks", "gear ratio", "mean", "ahtet"])
-def test_other_words_are_no_misspelt_fields(word: str) -> None:
-    """A column of somebody's own stands for itself."""
-    assert misspelt(word) is None
+    slips = {"alhpa": "alpha", "thta": "theta", "typ": "type", "offsets": "offset", "tetha": "theta", "torqe": "effort"}
+    slips |= {"jointsgn": "sign", "lenght": "a", "geschwindigkiet": "velocity"}
+    meant = {word: misspelt(word) for word in slips}
+    assert {word: field and field.name for word, field in meant.items()} == slips
+    others = ["jm", "b", "dd", "comment", "remarks", "gear ratio", "mean", "ahtet"]
+    assert [word for word in others if misspelt(word)] == []
 
 
 def slow_distance(left: str, right: str) -> int:
@@ -129,60 +85,27 @@ def test_one_slip_is_an_edit_distance_of_one(left: str, right: str) -> None:
     assert one_slip(left, right) == (slow_distance(left, right) == 1)
 
 
-@pytest.mark.parametrize(
-    ("word", "kind"),
-    [
-        ("Revolute", JointType.REVOLUTE),
-        ("r", JointType.REVOLUTE),
-        ("0", None),
-        ("hinge", JointType.REVOLUTE),
-        ("T", JointType.PRISMATIC),
-        *((word, JointType.REVOLUTE) for word in ("Rev", "Rot.", "rot", "rotacyjny")),
-        *((word, JointType.PRISMATIC) for word in ("Pris.", "prism", "Trans.", "Traslacional", "translatif")),
-        ("twist", None),
-        ("linear", JointType.PRISMATIC),
-        ("1", None),
-        ("C", JointType.CONTINUOUS),
-        ("FIXED", JointType.FIXED),
-        ("prismatic_joint", JointType.PRISMATIC),
-        ("spherical joint", None),
-        ("joint", None),
-        ("re-volute", JointType.REVOLUTE),
-        ("2", None),
-        ("-1", None),
-        ("1.", None),
-        ("spherical", None),
-    ],
-)
-def test_a_word_means_a_type_of_joint(word: str, kind: JointType | None) -> None:
-    """As published tables have them; nothing else is taken for one."""
-    assert joint_type(word) is kind
+TYPES = {
+    JointType.REVOLUTE: "Revolute, r, hinge, Rot., re-volute, rotary joint, rotacyjny, ROTOIDE, 旋转关节, DÖNEL, 회전 관절",
+    JointType.PRISMATIC: "T, linear, Pris., Traslacional, prismatic_joint, glissière, Поступательная, 移动副, 直動関節",
+    JointType.CONTINUOUS: "C",
+    JointType.FIXED: "FIXED, fixed joint, неподвижная, sabit, 고정",
+    None: "0, 1, 2, -1, 1., twist, spherical, spherical joint, joint",
+}
+CONVENTIONS = {
+    Convention.STANDARD: "STANDARD, DH, Spong, DH standard, standard (classic; distal), DH classique, clásica, 标准DH",
+    Convention.MODIFIED: "MDH, modified Denavit-Hartenberg, modified (Craig), khalil, modifiziert, 改进D-H",
+    None: "standard (Craig), standard/modified, not modified, DH parameters, Craig's, ",
+}
 
 
-@pytest.mark.parametrize(
-    ("word", "convention"),
-    [
-        ("STANDARD", Convention.STANDARD),
-        ("DH", Convention.STANDARD),
-        ("classic", Convention.STANDARD),
-        ("Spong", Convention.STANDARD),
-        ("MDH", Convention.MODIFIED),
-        ("modified DH", Convention.MODIFIED),
-        ("modified Denavit-Hartenberg", Convention.MODIFIED),
-        ("DH standard", Convention.STANDARD),
-        ("standard (classic, distal)", Convention.STANDARD),
-        ("modified (Craig)", Convention.MODIFIED),
-        ("Craig DH", Convention.MODIFIED),
-        ("Modified DH parameters (Craig)", Convention.MODIFIED),
-        ("standard (Craig)", None),
-        ("standard/modified", None),
-        ("not modified", None),
-        ("DH parameters", None),
-        ("Craig's", None),
-        ("khalil", Convention.MODIFIED),
-        ("", None),
-    ],
-)
-def test_a_word_means_a_convention(word: str, convention: Convention | None) -> None:
+@pytest.mark.parametrize(("kind", "words"), TYPES.items())
+def test_a_word_means_a_type_of_joint(kind: JointType | None, words: str) -> None:
+    """As published tables have them, in their languages; nothing else is taken for one."""
+    assert {joint_type(word) for word in words.split(", ")} == {kind}
+
+
+@pytest.mark.parametrize(("convention", "words"), CONVENTIONS.items())
+def test_a_word_means_a_convention(convention: Convention | None, words: str) -> None:
     """The common names of the two; any other word is not guessed at."""
-    assert convention_of(word) is convention
+    assert {convention_of(word) for word in words.split(", ")} == {convention}

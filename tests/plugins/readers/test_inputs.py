@@ -90,21 +90,6 @@ def test_a_table_of_real_life_is_read_rightly_or_refused_clearly(case: dict[str,
     np.testing.assert_allclose(pose(arm, case["q"]), case["T_ee"], rtol=0, atol=case["tol"])
 
 
-REFUSED_OR_READ = ("names_control_chars.csv", "robot_name_empty.yaml")
-
-
-@pytest.mark.parametrize("case", [case for case in INPUTS if case["outcome"] == "accept or error"], ids=str)
-def test_what_may_be_refused_is_read_where_its_meaning_is_plain(case: dict[str, Any]) -> None:
-    """Only names that nobody can see are refused."""
-    path = REFERENCE / "inputs" / case["file"]
-    convention = case.get("convention", "standard") if path.suffix == ".csv" else None
-    if path.name in REFUSED_OR_READ:
-        with pytest.raises(TableError):
-            read(path, convention)
-    else:
-        read(path, convention)
-
-
 def as_csv(robot: dict[str, Any]) -> str:
     def statement(key: str) -> list[str]:
         return [f"# {key}: {json.dumps(robot[key])}"] if robot[key] else []

@@ -15,55 +15,26 @@ if TYPE_CHECKING:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "j1",
-        "a b",
-        "Grün",
-        "关节",
-        "مفصل",
-        "می\u200cخواهم",
-        "🤖",
-        "👩\u200d🔧",
-        "<a&b>",
-        "${x}",
-        "$(x)",
-        "../x",
-        "]]>",
-        "'\"",
-        "x" * MAX_NAME,
-    ],
+    ["a b", "Grün", "关节", "می\u200cخواهم", "👩\u200d🔧", "<a&b>", "${x}", "../x", "]]>", "'\"", "x" * MAX_NAME],
 )
 def test_any_visible_text_is_a_name(name: str) -> None:
     """Markup, xacro and paths are text like any other."""
     assert name_fault(name) is None
 
 
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("", "empty"),
-        ("  ", "empty"),
-        ("\N{NO-BREAK SPACE}", "empty"),
-        ("x" * (MAX_NAME + 1), "201 characters"),
-        ("a\nb", "U+000A"),
-        ("a\x00", "U+0000"),
-        ("a\x1b[31m", "U+001B"),
-        ("a\x7f", "U+007F"),
-        ("a\x85", "U+0085"),
-        ("a\ud800", "U+D800"),
-        ("a\u200b", "U+200B"),
-        ("a\u202e", "U+202E"),
-        ("a\ufeff", "U+FEFF"),
-        ("a\u2028", "U+2028"),
-        ("a\uffff", "U+FFFF"),
-    ],
-)
-def test_a_name_that_nobody_can_see_is_none(name: str, reason: str) -> None:
+@pytest.mark.parametrize("blank", ["", "  ", "\N{NO-BREAK SPACE}"])
+def test_an_empty_name_is_none(blank: str) -> None:
+    assert name_fault(blank)
+
+
+@pytest.mark.parametrize("sign", "\n\x00\x1b\x7f\x85\ud800\u200b\u202e\ufeff\u2028\uffff")
+def test_a_name_that_nobody_can_see_is_none(sign: str) -> None:
     """The message names the code point and shows no control character."""
-    fault = name_fault(name)
+    fault = name_fault(f"a{sign}")
     assert fault is not None
-    assert reason in fault[0]
+    assert f"U+{ord(sign):04X}" in fault[0]
     assert fault[0].isprintable()
+    assert name_fault("x" * (MAX_NAME + 1))
 
 
 @pytest.mark.parametrize("theta", ["θ2 - θ1", "q2-", "q2(+90°)", "0 (θ2)", "θ2 = 0"])

@@ -48,23 +48,9 @@ def test_a_published_table_is_the_arm_of_its_source(name: str, tmp_path: Path) -
     assert len(arm.notices) == case.get("notices", 0), "\n".join(map(str, arm.notices))
 
 
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if "asks" in case])
-def test_the_question_has_the_answer_in_it(name: str, tmp_path: Path) -> None:
-    """One word of it tells which question it is."""
-    table = tmp_path / f"arm{CASES[name]['suffix']}"
-    table.write_text(CASES[name]["text"], "utf-8")
-    with pytest.raises(Dh2UrdfError) as refused:
-        dh2urdf.read(table)
-    assert CASES[name]["asks"] in str(refused.value)
-
-
 def test_most_are_read_at_the_first_try_and_in_silence() -> None:
-    """Of all cases at most one in three asks a question, which has one answer."""
+    """Of all cases at most one in three asks a question, which has one answer, and fewer have a notice."""
     asked = [case for case in CASES.values() if "asks" in case]
     assert len(CASES) >= 60
     assert 3 * len(asked) <= len(CASES)
-
-
-def test_few_ask_for_anything() -> None:
-    """Fewer than three tables in ten have a notice."""
     assert sum(case.get("notices", 0) for case in CASES.values()) <= 0.3 * len(CASES)

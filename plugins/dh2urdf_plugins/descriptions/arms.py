@@ -77,7 +77,10 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     if base.mass:
         notices.append(asked.notice("base-keeps-mass-alone", "base.mass"))
     notices += [asked.notice("left-out-of-table", what=sentence) for sentence in carried.lost]
-    notices += _weightless(rows, asked)
+    # Links without a mass beside others that have one: no row that moves has the mass 0.
+    weightless = [shown(row.link) for row in rows if row.mass is None]
+    if weightless and any(row.mass for row in rows):
+        notices.append(asked.notice("masses-missing", "mass", links=listed(weightless, _FEW)))
     try:
         return Manipulator(
             name=asked.name,
@@ -221,10 +224,3 @@ def _besides_the_chain(
     ):
         if names:
             yield asked.notice(code, joints=listed(list(map(shown, names)), _FEW))
-
-
-def _weightless(rows: Sequence[DHRow], asked: Asked) -> Iterator[Problem]:
-    """Links without a mass beside others that have one: no row that moves has the mass 0."""
-    names = [shown(row.link) for row in rows if row.mass is None]
-    if names and any(row.mass for row in rows):
-        yield asked.notice("masses-missing", "mass", links=listed(names, _FEW))

@@ -76,16 +76,11 @@ class Carried:
         self.poses: dict[str, RigidTransform] = {tree.base: IDENTITY}
         leaving: set[str] = set()
         self.lost: list[str] = []
-        ahead = [tree.base]
-        while ahead:
-            parent = ahead.pop()
-            for joint in tree.below.get(parent, ()):
-                if joint.child not in self.poses and joint.name not in tree.description.faulty:
-                    moves, is_on_chain = joint.type is not JointType.FIXED, joint.name in on_chain
-                    self.segments[joint.child] = self.segments[parent] + (moves and is_on_chain)
-                    self.poses[joint.child] = self.poses[parent] @ joint.origin.transform
-                    leaving |= {joint.name} if moves and not is_on_chain else set()
-                    ahead.append(joint.child)
+        for joint in tree.walk(without=tree.description.faulty):
+            moves, is_on_chain = joint.type is not JointType.FIXED, joint.name in on_chain
+            self.segments[joint.child] = self.segments[joint.parent] + (moves and is_on_chain)
+            self.poses[joint.child] = self.poses[joint.parent] @ joint.origin.transform
+            leaving |= {joint.name} if moves and not is_on_chain else set()
         self.left_out = [joint.name for joint in tree.robot.joints if joint.name in leaving]
 
     def body(self, segment: int, frame: RigidTransform) -> Body:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import tomllib
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import comb, nan, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from lxml import etree
 
@@ -27,23 +28,12 @@ from dh2urdf_plugins.formats.xml_files import LARGEST, Unread, mark_of, tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
-    from typing import TypeAlias
 
     from dh2urdf_plugins.formats.xml_files import Model
 
-    Found: TypeAlias = tuple[str, etree._Element]  # noqa: SLF001 - what is left out, in words, and where
-
 say = Messages(__file__)
 
-_URDF = {
-    ".": "link joint material mujoco",
-    "link": "inertial visual collision",
-    "joint": "origin parent child axis limit dynamics mimic",
-}
-"""The elements of a URDF that are read, or are no part of the robot, by what holds them."""
-_URDF_ATTRIBUTES = {"limit": "lower upper effort velocity", "dynamics": "damping friction"}
-_SDF = ("plugin", "gripper", ".//link/sensor", ".//link/battery", ".//link/light", ".//joint/sensor")
-_MJCF = ("sensor", "tendon", "keyframe")
+_LEFT_OUT: dict[str, dict[str, str]] = tomllib.loads((Path(__file__).parent / "left_out.toml").read_text("utf-8"))
 _ACTUATORS = ("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle")
 
 
@@ -153,9 +143,14 @@ def _notices(unread: Iterable[Unread]) -> list[Problem]:
     return notices
 
 
-def _left_out(found: Iterable[Found], file: str) -> list[Problem]:
-    """Notices of elements that are left out."""
-    return _notices(Unread(what, mark_of(element, file)) for what, element in found)
+def _left_out(form: str, root: etree._Element, file: str) -> list[Problem]:
+    """Notices of what is in the elements of a robot and left out."""
+    found = []
+    for path, words in _LEFT_OUT[form].items():
+        for hit in cast("list[Any]", root.xpath(path)):
+            element, name = (hit, hit.tag) if isinstance(hit, etree._Element) else (hit.getparent(), hit.attrname)  # noqa: SLF001
+            found.append(Unread(words.format(name=_prefixed(name, element)), mark_of(element, file)))
+    return _notices(found)
 
 
 def _number(text: str) -> float:
@@ -215,7 +210,7 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
 
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
-    found.left_out += _left_out(_besides_urdf(root), file)
+    found.left_out += _left_out("urdf", root, file)
     for joint in root.iterchildren("joint"):
         name = joint.get("name", "")
         if (mimic := joint.find("mimic")) is not None:
@@ -231,19 +226,6 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
     return found.take(urdf_reader.model_of(root, file))
 
 
-def _besides_urdf(root: etree._Element) -> Iterator[Found]:
-    for path, known in _URDF.items():
-        for holder in root.iterfind(path):
-            for element in holder.iterchildren(etree.Element):
-                if element.tag not in known.split():
-                    name = _prefixed(str(element.tag), element)
-                    yield f"the element {name}{'' if path == '.' else f' of a {path}'}", element
-    for tag, known in _URDF_ATTRIBUTES.items():
-        for element in root.iterfind(f"joint/{tag}"):
-            names = [name for name in map(str, element.attrib) if name not in known.split()]
-            yield from ((f"the attribute {_prefixed(name, element)} of a {tag}", element) for name in names)
-
-
 def _prefixed(name: str, element: etree._Element) -> str:
     """A name as the file writes it."""
     space, _, local = name.rpartition("}")
@@ -256,24 +238,14 @@ def _prefixed(name: str, element: etree._Element) -> str:
 
 def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
     model = sdf_reader.model_of(root, file)
-    found.left_out += _left_out(_besides_sdf(root), file)
+    of = next((each for path in ("model", "world/model") for each in root.iterfind(path)), root)
+    found.left_out += _left_out("sdf", of, file)
     for name, mimic in model.mimics.items():
         # Multiplier · (value of the leader - reference) + offset: http://sdformat.org/spec?ver=1.11&elem=joint
         multiplier = _number(mimic.findtext("multiplier", "1"))
         offset, reference = (_number(mimic.findtext(tag, "0")) for tag in ("offset", "reference"))
         found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
     return found.take(model)
-
-
-def _besides_sdf(root: etree._Element) -> Iterator[Found]:
-    model = next((each for path in ("model", "world/model") for each in root.iterfind(path)), root)
-    for path in _SDF:
-        *_, holder, tag = ["", *path.removeprefix(".//").split("/")]
-        for element in model.iterfind(path):
-            yield f"the element {tag}{f' of a {holder}' if holder else ''}", element
-    for spring in model.iterfind(".//joint/axis/dynamics/spring_stiffness"):
-        if _number(spring.text or "0"):
-            yield "the spring of a joint", spring
 
 
 # --- MJCF -------------------------------------------------------------------------------------------------------------
@@ -293,7 +265,7 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
     for joint in root.iterfind("equality/joint"):
         if elements.is_active(joint):
             found.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    found.left_out += _left_out(_besides_mjcf(elements), file)
+    found.left_out += [*_left_out("mjcf", root, file), *_notices(_springs(elements))]
     efforts, joints = _efforts(elements), list(robot.joints)
     for place, one in enumerate(joints):
         if one.name in efforts and one.limits.effort is None:
@@ -301,15 +273,11 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def _besides_mjcf(elements: Elements) -> Iterator[Found]:
-    for section in ("actuator", *_MJCF):
-        what = "an actuator, but for the effort of its joint," if section == "actuator" else f"a {section}"
-        yield from ((what, each) for each in elements.root.iterfind(f"{section}/*"))
-    yield from (("a camera", camera) for camera in elements.root.iterfind("worldbody//camera"))
+def _springs(elements: Elements) -> Iterator[Unread]:
     for joint in elements.root.iterfind("worldbody//joint"):
         given = elements.attributes(joint)
         if "springdamper" in given or given.get("stiffness", "0").strip(" 0."):
-            yield "the spring of a joint", joint
+            yield Unread("the spring of a joint", elements.mark(joint))
 
 
 def _efforts(elements: Elements) -> dict[str, float]:

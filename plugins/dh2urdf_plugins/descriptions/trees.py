@@ -12,6 +12,8 @@ from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
+    from collections.abc import Container, Iterator
+
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
 
@@ -71,14 +73,20 @@ class Tree:
 
     def reached(self) -> dict[str, int]:
         """The links below the base link, itself included, each with the moving joints before it."""
-        moving, ahead = {self.base: 0}, [self.base]
-        while ahead:
-            link = ahead.pop()
-            for joint in self.below.get(link, ()):
-                if joint.child not in moving:
-                    moving[joint.child] = moving[link] + (joint.type is not JointType.FIXED)
-                    ahead.append(joint.child)
+        moving = {self.base: 0}
+        for joint in self.walk():
+            moving[joint.child] = moving[joint.parent] + (joint.type is not JointType.FIXED)
         return moving
+
+    def walk(self, *, without: Container[str] = ()) -> Iterator[Joint]:
+        """The joints below the base link, each behind those that hold it; what some joints hold may be left out."""
+        met, ahead = {self.base}, [self.base]
+        while ahead:
+            for joint in self.below.get(ahead.pop(), ()):
+                if joint.child not in met and joint.name not in without:
+                    met.add(joint.child)
+                    ahead.append(joint.child)
+                    yield joint
 
     def leaves(self) -> dict[str, int]:
         """The links that hold nothing, in the order of the file, each with the moving joints before it."""

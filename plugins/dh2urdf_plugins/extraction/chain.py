@@ -12,7 +12,7 @@ common normal of the two axes is the x in the middle; a is its length and α the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import JointType
@@ -256,10 +256,6 @@ class Chain:
                 total += math.hypot(point[0], point[1])
                 point = (0.0, 0.0, point[2])
         return total + math.dist(point, self.links[-1].translation)
-
-    def with_links(self, links: Iterable[RigidTransform]) -> Chain:
-        """The same axes with other transforms between them."""
-        return replace(self, links=tuple(links))
 
 
 _QUARTER_TURNS: dict[Vec3, Rotation] = {

@@ -6,6 +6,7 @@ The rows of the data sheet come first, and an identity comes before anything els
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.manipulator import Convention, JointType
@@ -65,7 +66,7 @@ def _moved(chain: Chain, number: int, x: float, y: float) -> Chain:
     links = list(chain.links)
     links[number] @= RigidTransform(IDENTITY_ROTATION, (x, y, 0.0))
     links[number + 1] = RigidTransform(IDENTITY_ROTATION, (-x, -y, 0.0)) @ links[number + 1]
-    return chain.with_links(links)
+    return replace(chain, links=tuple(links))
 
 
 def _candidates(chain: Chain, number: int, precision: Precision, arm_length: float) -> Iterator[tuple[float, float]]:

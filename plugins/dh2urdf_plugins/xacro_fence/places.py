@@ -50,17 +50,13 @@ def keep_places(xacro: types.ModuleType) -> None:
     def replaced(node: Element, by: Any, content_only: bool = False) -> None:  # noqa: ANN401, FBT001, FBT002 - as xacro calls it
         is_call = isinstance(by, Element) and node.nodeType == node.ELEMENT_NODE and node.tagName not in _NO_MACROS
         if is_call and (call := place_of(node)):
-            _add_call(by, call._replace(calls=()))
+            for element in _elements(by):
+                if place := place_of(element):
+                    element.setUserData(_KEY, place._replace(calls=(*place.calls, call._replace(calls=()))), _COPIER)
         replace_node(node, by, content_only)
 
     builder.start_element_handler = started
     xacro.replace_node = replaced  # type: ignore[attr-defined]
-
-
-def _add_call(body: Element, call: Place) -> None:
-    for element in _elements(body):
-        if place := place_of(element):
-            element.setUserData(_KEY, place._replace(calls=(*place.calls, call)), _COPIER)
 
 
 class _Copier:

@@ -157,8 +157,10 @@ class _Reader(Elements):
 
     def _free(self, body: etree._Element) -> etree._Element | None:
         """The body that moves freely and holds a body, or is the body; None where the world holds it."""
-        holders = (each for each in (body, *body.iterancestors("body")))
-        return next((each for each in holders if any(map(_is_free, self.held(each, "joint", "freejoint")))), None)
+        for each in (body, *body.iterancestors("body")):
+            if any(_type(joint, dict(joint.items())) == "free" for joint in self.held(each, "joint", "freejoint")):  # type: ignore[arg-type]
+                return each
+        return None
 
     def _holder(self, element: etree._Element, names: Mapping[etree._Element, str]) -> str:
         """The name of the body that holds an element."""
@@ -281,10 +283,6 @@ class _Reader(Elements):
 
 def _type(element: etree._Element, attributes: dict[str, str]) -> str:
     return "free" if element.tag == "freejoint" else attributes.get("type", "hinge")
-
-
-def _is_free(joint: etree._Element) -> bool:
-    return joint.tag == "freejoint" or joint.get("type") == "free"
 
 
 def _moved(kind: JointType, axis: Vec3, value: float) -> RigidTransform:

@@ -7,29 +7,25 @@ MuJoCo Menagerie: classes ``visual`` and ``collision``, collision shapes in grou
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
 from dh2urdf.rotations import ZERO
-from dh2urdf.source import Messages
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.servos import servos
-from dh2urdf_plugins.formats.urdf.writer import Notation, serialise
+from dh2urdf_plugins.formats.urdf.writer import Notation, refused, serialise
 from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Origin, Robot
+    from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.mjcf import MjcfOptions
-
-say = Messages(__file__)
 
 DEEPEST = 490
 """Bodies, one within the other, that MuJoCo reads: its XML parser takes 500 elements, the outermost included."""
@@ -126,14 +122,21 @@ class _Model:
                 etree.SubElement(holder, "site", place)
                 continue
             if depth[link.name] > DEEPEST:
-                raise self._error("mujoco-chain-too-long", joint, most=DEEPEST)
+                raise refused(self._robot, "mujoco-chain-too-long", joint, most=DEEPEST)
             body = bodies[link.name] = etree.SubElement(holder, "body", place)
             if is_frame:  # It holds something, which a site cannot, and is looked for among the sites all the same.
                 etree.SubElement(body, "site", {"name": place["name"]})
             if link.inertial and link.inertial.mass:
                 if link.name in self._carried:
                     body.set("gravcomp", "1")
-                etree.SubElement(body, "inertial", self._mass_properties(link.inertial))
+                i, numbers = link.inertial.inertia, self._notation.numbers
+                tensor = numbers((i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz))
+                mass = {
+                    "pos": numbers(link.inertial.com),
+                    "mass": numbers((link.inertial.mass,)),
+                    "fullinertia": tensor,
+                }
+                etree.SubElement(body, "inertial", mass)
             if moves and joint:
                 etree.SubElement(body, "joint", self._joint(joint))
             self._append_shapes(body, link)
@@ -148,7 +151,7 @@ class _Model:
         if limits.lower is not None and limits.upper is not None:
             if not limits.lower < limits.upper:
                 found = numbers((limits.lower, limits.upper))
-                raise self._error("mujoco-limits-of-no-way", joint, field="limits", found=found)
+                raise refused(self._robot, "mujoco-limits-of-no-way", joint, field="limits", found=found)
             attributes["range"] = numbers((limits.lower, limits.upper))
         if limits.effort:
             attributes["actuatorfrcrange"] = numbers((-limits.effort, limits.effort))
@@ -159,11 +162,6 @@ class _Model:
             if value is not None:
                 attributes[name] = numbers((value,))
         return attributes
-
-    def _mass_properties(self, inertial: Inertial) -> dict[str, str]:
-        i, numbers = inertial.inertia, self._notation.numbers
-        tensor = numbers((i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz))
-        return {"pos": numbers(inertial.com), "mass": numbers((inertial.mass,)), "fullinertia": tensor}
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
         shapes: list[tuple[str, Visual | Collision]] = [("visual", visual) for visual in link.visuals]
@@ -252,12 +250,8 @@ class _Model:
 
     def _name(self, link: Link, joint: Joint | None) -> str:
         if link.name == WORLD:
-            raise self._error("mujoco-link-world", joint)
+            raise refused(self._robot, "mujoco-link-world", joint)
         return self._notation.name(link.name)
-
-    def _error(self, code: str, joint: Joint | None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
-        name, mark = (joint.name, joint.mark) if joint else (None, None)
-        return EmitterError(say(code, mark, robot=self._robot.name, joint=name, **words))
 
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:

@@ -9,24 +9,20 @@ Semantics"): Gazebo 11, all versions of the new Gazebo, and Drake read it.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import ZERO
-from dh2urdf.source import Messages
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, serialise
+from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, refused, serialise
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot, Visual
     from dh2urdf_plugins.formats.sdf import SdfOptions
-
-say = Messages(__file__)
 
 VERSION = "1.7"
 MODEL = "__model__"
@@ -80,14 +76,14 @@ class _Model:
             if link.inertial and link.inertial.mass:
                 if not held and set(carriers.values()) <= {MODEL}:
                     # The model's own frame, and with it base_link, would move with the first body.
-                    raise self._error("sdf-without-body-at-rest", joint)
+                    raise refused(self._robot, "sdf-without-body-at-rest", joint)
                 carriers[link.name] = link.name
             elif held:
                 carriers[link.name] = carriers[joint.parent] if joint else MODEL
             else:
-                raise self._error("sdf-link-without-mass", joint, link=link.name)
+                raise refused(self._robot, "sdf-link-without-mass", joint, link=link.name)
         if set(carriers.values()) <= {MODEL}:
-            raise self._error("sdf-without-body")
+            raise refused(self._robot, "sdf-without-body")
         return carriers
 
     def _append_link(self, model: etree._Element, link: Link, joint: Joint | None) -> etree._Element:
@@ -185,12 +181,8 @@ class _Model:
 
     def _name(self, name: str, joint: Joint | None = None) -> str:
         if _NOT_A_NAME.fullmatch(name):
-            raise self._error("sdf-name-wrong", joint, found=name)
+            raise refused(self._robot, "sdf-name-wrong", joint, found=name)
         return self._notation.text(name)
-
-    def _error(self, code: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
-        name, mark = (joint.name, joint.mark) if joint else (None, None)
-        return EmitterError(say(code, mark, robot=self._robot.name, joint=name, **words))
 
 
 def _reference(link: str) -> str | None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
 PROFILE_HELP = "readers that the file is for; portable: all of them"
 
-notices = Late(f"{__name__}.profiles:notices_with")
+notices = Late(f"{__name__}.profiles:notices_of")
 """What a person should know of a URDF or a xacro, such as that Gazebo drops it."""
 
 

@@ -72,23 +72,16 @@ def filled_in(robots: RobotColumns) -> list[bytes | None]:
     written = [
         index
         for index, (sure, name, comment) in enumerate(told)
-        if sure and is_plain_name(name) and is_plain_comment(comment)
+        if sure
+        # A name that is in an attribute as it is, on a line that no reader cuts, and a comment that is as it is.
+        and (len(name) <= LONGEST_NAME and name.isprintable() and not _ESCAPED.search(name))
+        and (0 < len(comment) <= LONGEST_COMMENT and comment.isprintable() and "--" not in comment)
     ]
     contents: list[bytes | None] = [None] * len(robots)
     if written:
         for index, content in zip(written, _contents(robots, written), strict=True):
             contents[index] = content
     return contents
-
-
-def is_plain_name(name: str) -> bool:
-    """Whether a name is in an attribute as it is, on a line that no reader cuts."""
-    return len(name) <= LONGEST_NAME and name.isprintable() and not _ESCAPED.search(name)
-
-
-def is_plain_comment(comment: str) -> bool:
-    """Whether a text is in a comment as it is."""
-    return 0 < len(comment) <= LONGEST_COMMENT and comment.isprintable() and "--" not in comment
 
 
 def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:

@@ -82,8 +82,9 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
     return _held(robot) if profile.held and robot.root != WORLD else robot
 
 
-def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
+def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
     """What a person should know of the file of a profile."""
+    name: ProfileName = options.profile
     if name == "coppeliasim":
         from dh2urdf_plugins.coppeliasim_import import notices_for_coppeliasim
 
@@ -91,11 +92,6 @@ def notices_of(robot: Robot, name: ProfileName) -> list[Problem]:
     if PROFILES[name].base_body:
         return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
     return notices_for_gazebo(robot, filled=False) if name in FOR_GAZEBO_TOO else []
-
-
-def notices_with(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
-    """The same, with the options of an emitter."""
-    return notices_of(robot, options.profile)
 
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:
@@ -115,7 +111,10 @@ def append_transmissions(parent: etree._Element, robot: Robot, notation: Notatio
 
 def _adapted_arm(robot: Robot, profile: Profile) -> Robot:
     robot = _adapted(robot, profile, links_at_rest(robot))
-    return _with_root_inertial(robot) if profile.root_inertial else robot
+    if not profile.root_inertial:
+        return robot
+    root, *others = robot.links
+    return replace(robot, links=(replace(root, inertial=root.inertial or WEIGHTLESS), *others))
 
 
 def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
@@ -146,11 +145,6 @@ def _adapted_link(link: Link, profile: Profile, *, is_base: bool) -> Link:
         shapes = tuple(Collision(geometry=visual.geometry, origin=visual.origin) for visual in link.visuals)
         link = replace(link, collisions=shapes)
     return link
-
-
-def _with_root_inertial(robot: Robot) -> Robot:
-    root, *others = robot.links
-    return replace(robot, links=(replace(root, inertial=root.inertial or WEIGHTLESS), *others))
 
 
 def _held(robot: Robot) -> Robot:

@@ -7,7 +7,7 @@ differs is how a name and a number are written, and that is the `Notation`.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -44,6 +44,12 @@ LIMITS_OF = {
     JointType.CONTINUOUS: ("effort", "velocity"),
     JointType.FIXED: (),
 }
+
+
+def refused(robot: Robot, code: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
+    """Why a robot, or a joint of it, cannot be written."""
+    name, mark = (joint.name, joint.mark) if joint else (None, None)
+    return EmitterError(say(code, mark, robot=robot.name, joint=name, **words))
 
 
 class Notation:

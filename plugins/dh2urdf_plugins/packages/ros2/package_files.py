@@ -13,7 +13,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import norm
-from dh2urdf.source import Messages, Problem, markdown_text
+from dh2urdf.source import Messages, markdown_text
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages import templates
 from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_LICENSE, NO_MAINTAINER
@@ -21,7 +21,7 @@ from dh2urdf_plugins.packages.ros2.yaml_files import follows_whole_table
 from dh2urdf_plugins.ros_conventions import PACKAGE_NAME
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf.robot import Joint, Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
@@ -83,26 +83,21 @@ def check_names(robot: Robot, *, prefixes: bool) -> None:
     Raises:
         EmitterError: some are not; the error proposes a name for each.
     """
-    if problems := [*_problems(robot), *(_problems_of_prefixes(robot) if prefixes else ())]:
-        raise EmitterError(problems)
-
-
-def _problems(robot: Robot) -> Iterator[Problem]:
+    problems = []
     materials = [visual.material.name for link in robot.links for visual in link.visuals if visual.material]
     named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
     for what, name in [*named, *(("material", name) for name in dict.fromkeys(materials))]:
         if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
             near = _near(name, "[^A-Za-z0-9_-]+").strip("_") or what
-            yield say("ros-name-wrong", found=name, what=what, near=near)
-
-
-def _problems_of_prefixes(robot: Robot) -> Iterator[Problem]:
-    """Prefixes begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name)."""
-    for arm in robot.arms:
+            problems.append(say("ros-name-wrong", found=name, what=what, near=near))
+    # Prefixes begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name).
+    for arm in robot.arms if prefixes else ():
         if arm.prefix and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", arm.prefix):
             near = _near(arm.prefix, "[^A-Za-z0-9_]+")
             proposed = f"arm_{near}" if near[:1].isdigit() else near
-            yield say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed)
+            problems.append(say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed))
+    if problems:
+        raise EmitterError(problems)
 
 
 def _near(name: str, others: str) -> str:

@@ -19,6 +19,7 @@ from dh2urdf.robot import Joint, Link, Mesh, Origin
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, markdown_text
 from dh2urdf.stages import EmittedFile
+from dh2urdf_plugins.formats.urdf import UrdfOptions
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
 from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
@@ -231,7 +232,7 @@ def _with_meshes(robot: Robot, package: str, copies: dict[str, bytes]) -> Robot:
 
 def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
     """What a person should know of the packages, such as what package.xml still needs."""
-    found = notices_of(robot, "ros")
+    found = notices_of(robot, UrdfOptions(profile="ros"))
     if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
         options_missing = ", ".join(f"`{name}`" for name in missing)
         found.append(say("package-xml-incomplete", missing=missing, options=options_missing))
@@ -239,15 +240,14 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
-    return [*found, *(_notices_of_moveit(robot, options) if options.moveit else ())]
-
-
-def _notices_of_moveit(robot: Robot, options: Ros2Options) -> Iterator[Problem]:
+    if not options.moveit:
+        return found
     if options.acceleration is None:
-        yield say("no-accelerations", seconds=yamls.SPEED_UP)
+        found.append(say("no-accelerations", seconds=yamls.SPEED_UP))
     for name in (joint.name for joint in robot.moving_joints if yamls.is_no_text_to_launch(joint.name)):
-        yield say("joint-name-no-text", name=name, other=f"joint_{name}")
+        found.append(say("joint-name-no-text", name=name, other=f"joint_{name}"))
     for group in groups(robot, options.group):
         if (count := len(group.joints)) < yamls.SPACE:
             joints = f"{count} joint{'' if count == 1 else 's'}"
-            yield say("group-too-small", group=group.name, joints=joints)
+            found.append(say("group-too-small", group=group.name, joints=joints))
+    return found

@@ -76,7 +76,10 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
                 names = {"pair": " and ".join(map(shown, pair)), "unknown": " and no link ".join(unknown)}
                 notices.append(say("pair-of-no-links", mark, **names))
         elif pair not in wanted or pair in met:
-            edits.append((*_whole_lines(content, start, end), ""))
+            # It goes with its lines, where nothing else is in them.
+            line, after = content.rfind(b"\n", 0, start) + 1, _LINE_END.match(content, end)
+            is_alone = after and not content[line:start].strip()
+            edits.append((line, after.end(), "") if after and is_alone else (start, end, ""))
         else:
             met.add(pair)
             if wanted[pair].reason != reason:
@@ -111,13 +114,6 @@ def _root(content: bytes, file: str) -> etree._Element:
 
 def _refusal(file: str, code: str, **about: str) -> InputError:
     return InputError(say(code, Mark(file=file), **about))
-
-
-def _whole_lines(content: bytes, start: int, end: int) -> tuple[int, int]:
-    """From where to where a pair goes: with its lines, where nothing else is in them."""
-    line = content.rfind(b"\n", 0, start) + 1
-    after = _LINE_END.match(content, end)
-    return (line, after.end()) if after and not content[line:start].strip() else (start, end)
 
 
 def _insertion(content: bytes, places: Sequence[tuple[int, int]], added: Sequence[str]) -> tuple[int, int, str]:

@@ -20,7 +20,7 @@ READER: Reader[TableOptions] = Reader(
     suffixes=(".csv", ".tsv", *TEXTS),
     capabilities=(
         WritesTables(
-            Late("dh2urdf_plugins.readers.sources.csv_texts:write"),
+            Late("dh2urdf_plugins.readers.sources.typed:write_csv"),
             Late(f"{_FILES}:typed_texts"),
             not_written=(".tsv", *TEXTS),
         ),

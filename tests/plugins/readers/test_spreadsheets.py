@@ -13,7 +13,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import csv, yaml
-from dh2urdf_plugins.readers.sources import csv_texts
+from dh2urdf_plugins.readers.sources import typed
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def as_csv(path: Path) -> str:
     """The table as it stands, or as the project writes it where it is YAML."""
     if path.suffix == ".csv":
         return path.read_text("utf-8")
-    return csv_texts.write([table_text(arm_of(path))]).content.decode()
+    return typed.write_csv([table_text(arm_of(path))]).content.decode()
 
 
 def same(left: Manipulator, right: Manipulator) -> bool:

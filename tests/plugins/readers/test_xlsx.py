@@ -22,7 +22,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import csv, xlsx
 from dh2urdf_plugins.readers.sources import workbook as xlsx_file
-from dh2urdf_plugins.readers.sources.number_formats import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.sources.sheets import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:

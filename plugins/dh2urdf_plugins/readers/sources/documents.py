@@ -18,6 +18,7 @@ from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import STATEMENTS, CellRow
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
@@ -31,7 +32,6 @@ from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, flip_of, near
-from dh2urdf_plugins.readers.words.table_words import flow_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -380,3 +380,12 @@ def _other_reader(root: Node) -> Problem | None:
         if key in entries and (not inner or inner in entries or entries[key].entry(inner)):
             return say("other-reader", root.mark, what=what, reader=reader)
     return None
+
+
+def flow_text(node: Node) -> str:
+    """A value of YAML in one line."""
+    if isinstance(node.value, dict):
+        return "{" + ", ".join(f"{yaml_word(key)}: {flow_text(value)}" for key, value in node.value.items()) + "}"
+    if isinstance(node.value, list):
+        return f"[{', '.join(map(flow_text, node.value))}]"
+    return node.text or "" if node.value is None else yaml_word(node.text or "")

@@ -136,7 +136,7 @@ def _typed(cell: str) -> str:
 def typed_texts(path: Path) -> Iterator[TableText]:
     """The tables of a file as their authors typed them; see `WritesTables.texts`."""
     from dh2urdf_plugins.readers.options import TableOptions
-    from dh2urdf_plugins.readers.sources import csv_texts, yaml_texts
+    from dh2urdf_plugins.readers.sources.typed import cell_texts, yaml_texts
 
     form = _form_of(path)
-    return yaml_texts.texts(path) if form == "yaml" else csv_texts.texts(_rows_of(path, form, TableOptions()), path)
+    return yaml_texts(path) if form == "yaml" else cell_texts(_rows_of(path, form, TableOptions()), path)

@@ -7,7 +7,9 @@ never computed. Its parser knows all of them, so it is called here. It is not im
 from __future__ import annotations
 
 import datetime as dt
+import re
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from openpyxl.cell.read_only import ReadOnlyCell
@@ -17,10 +19,10 @@ from openpyxl.utils import get_column_letter
 from openpyxl.worksheet._reader import FORMULA_TAG, INLINE_STRING, VALUE_TAG, WorkSheetParser
 
 from dh2urdf.errors import TableError
+from dh2urdf.quantities import is_unit
 from dh2urdf.source import Mark, Messages, Problem, listed, shown
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
-from dh2urdf_plugins.readers.sources.number_formats import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.sources.several import starts_table
 from dh2urdf_plugins.readers.words.cells import text_of
 
@@ -37,6 +39,16 @@ _EXACT = 2**53
 """Whole numbers up to here are doubles."""
 _RAISED = str.maketrans("0123456789+-−oO", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻ºº")
 _MOMENTS = {dt.datetime: "a date", dt.date: "a date", dt.time: "a time", dt.timedelta: "a duration"}
+_TOKENS = re.compile(
+    r'"(?P<quoted>[^"]*)"|\\(?P<escaped>.)|_.|\*.|\[\$(?P<currency>[^\]-]*)[^\]]*\]|\[[^\]]*\]'
+    r"|(?P<code>General|E[+-]|[0#?.,/%@])|(?P<bare>.)",
+    re.IGNORECASE | re.DOTALL,
+)
+"""The parts of a section of a number format (ECMA-376-1, 18.8.31)."""
+_CONDITION = re.compile(r"\s*(?:\[[^\]<>=]*\]\s*)*\[[<>=]")
+"""What a section begins with that holds for some numbers only: ``[<1]0.0" mm"``."""
+_NEUTRAL = "()+-− \u00a0\u202f"
+"""Characters beside a number that do not change what it means; between digits, apostrophes do not, either."""
 
 say = Messages(__file__)
 
@@ -260,3 +272,79 @@ class _Merged:
                 values[first - 1] = value = say("merged-across", found=text)
             if bottom > number and not self.header - 1 <= number <= self.header:
                 self.open.append((bottom, first, value))
+
+
+# --- Number formats: what a cell shows beside its number, which may be its unit ---------------------------------------
+
+
+class ShownOtherwiseError(ValueError):
+    """A number format shows another number than the cell holds, or text that is no unit."""
+
+
+@lru_cache(maxsize=1024)
+def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False) -> str:
+    """The unit that a number format shows behind its number; empty where it shows none.
+
+    ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing.
+
+    Args:
+        number_format: the format, as spreadsheets write it.
+        negative: whether the number is negative: a format may have a section of its own for it.
+        zero: whether it is 0.
+
+    Raises:
+        ShownOtherwiseError: the format shows a percentage, a multiple, another sign, nothing, or text that is no unit.
+    """
+    sections = _sections(number_format)
+    if any(map(_CONDITION.match, sections)):  # the cell's number is not known here
+        (unit, *others) = dict.fromkeys(_unit_of(section) for section in sections[:3])
+        if others:
+            raise ShownOtherwiseError("one unit for some numbers and another for others")
+        return unit
+    index = 1 if negative and len(sections) > 1 else 2 if zero and len(sections) > 2 else 0  # noqa: PLR2004 - positive; negative; zero; text
+    if not zero and not sections[index].strip():
+        raise ShownOtherwiseError("nothing")
+    return _unit_of(sections[index], minus=None if zero else index == 1)
+
+
+def _unit_of(section: str, *, minus: bool | None = None) -> str:
+    """The unit that a section of a format shows.
+
+    Args:
+        section: the section.
+        minus: whether it is that of negative numbers alone, which shows their sign or a colour for it; None where the
+            sign does not matter.
+    """
+    before, between, behind, codes = "", "", "", ""
+    for match in _TOKENS.finditer(section):
+        if match["code"]:
+            codes += match["code"]
+            between, behind = between + behind, ""
+            continue
+        text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
+        if codes:
+            behind += text
+        else:
+            before += text
+    if "%" in codes:
+        raise ShownOtherwiseError("a percentage")
+    if codes.rstrip("eE+-").endswith(","):
+        raise ShownOtherwiseError("a multiple of a thousand")
+    signed = "-" in before or "−" in before or "(" in before
+    if (minus is False and signed) or (minus and not (signed or "-" in behind or "[" in section)):
+        raise ShownOtherwiseError("another sign")
+    unit = behind.strip(_NEUTRAL)
+    if before.strip(_NEUTRAL) or between.strip(f"{_NEUTRAL}'") or (unit and not is_unit(unit)):
+        raise ShownOtherwiseError(f"the text '{(before + between + behind).strip()}'")
+    return unit
+
+
+def _sections(number_format: str) -> list[str]:
+    """The sections of a format, which semicolons outside quotes separate."""
+    sections = [""]
+    for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):
+        if part == ";":
+            sections.append("")
+        else:
+            sections[-1] += part
+    return sections

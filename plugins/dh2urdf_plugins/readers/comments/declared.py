@@ -1,25 +1,37 @@
-"""Comments that declare something under a key: `# convention: standard`, `# tcp: {xyz: [0, 0, 0.1]}`."""
+"""Comments that declare something: under a key (`# tcp: {xyz: [0, 0, 0.1]}`) or as a sentence (`lengths in mm`).
+
+A sentence declares a convention, units, or the types of the joints where nothing else does, and a notice names it.
+Everything else in a comment is prose, and is passed over in silence.
+"""
 
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import replace
-from functools import cache
-from typing import TYPE_CHECKING
+from functools import cache, lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import Node, load_yaml
 from dh2urdf.errors import TableError
-from dh2urdf.quantities import is_unit
-from dh2urdf.source import Messages
+from dh2urdf.manipulator import Convention
+from dh2urdf.quantities import UNITS, is_unit, unit_word
+from dh2urdf.source import Messages, listed, shown
 from dh2urdf.table_text import STATEMENTS
 from dh2urdf.table_text.texts import yaml_word
-from dh2urdf_plugins.readers.comments.sentences import said_in
+from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
+from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
-from dh2urdf_plugins.readers.words.fields import convention_of, key_of, keys_in, near
+from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, header_fields, joint_type, key_of, keys_in, near
 
 if TYPE_CHECKING:
-    from dh2urdf.source import Mark
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from dh2urdf.quantities import Unit
+    from dh2urdf.source import Mark, Problem
+    from dh2urdf_plugins.readers.statements.statements import Statements
 
 say = Messages(__file__)
 
@@ -43,6 +55,25 @@ _QUOTES = ("'", '"')
 _OF_MAPPING = r"\{[^{}]*:|\{\s*\}"
 _OF_LIST = r"\[(?!\s*[0-9]{1,3}\s*\])(?=.*[0-9]).*\]$"
 """A list with a number in it, and no citation: ``[2]``."""
+
+_TOKENS = r"°(?:/[a-z]+)?|[^\W\d_]+(?:[/·][^\W\d_]+[²2]?)*[²³]?|[0-9][0-9.,]*|\S"
+_CHINESE = r"([\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3]+)"
+_TYPES = r"(?<![\w-])[RP](?:-?[RP])+(?![\w-])"
+_OPENING = frozenset("[({:=：>")
+_LISTING = frozenset(",;/&|-–—")
+"""What is between the units of a list: ``mm, deg``."""
+_ENDS = frozenset(",;/)]}&|.")
+_MEASURES = ("length", "angle", "mass", "inertia", "effort", "velocity")
+_DECLARING = (*Convention, *_MEASURES, "of_conventions", "beside_conventions", "before", "between")
+"""Words of a sentence that does nothing but declare."""
+_FOREIGN = ("mm", "cm", "deg", "rad")
+"""Units that have words of their own in `vocabulary.toml`."""
+_WHOLE = frozenset(("a", "alpha", "d", "theta", "joint", "link", "index", "type", "robot", "convention"))
+"""Fields that a sentence about all lengths or angles may name."""
+_LENGTHS = frozenset(("a", "d"))
+
+
+# --- Under a key ------------------------------------------------------------------------------------------------------
 
 
 def statements_in(comment: Comment) -> dict[str, Node]:
@@ -139,3 +170,186 @@ def _node(comment: Comment, text: str, start: int) -> Node:
         if isinstance(node.value, dict | list):
             waiting += node.value.values() if isinstance(node.value, dict) else node.value
     return root
+
+
+# --- In a sentence ----------------------------------------------------------------------------------------------------
+
+
+class Sentence(NamedTuple):
+    """What a sentence declares: a convention, units by their keys, the types of all joints, a letter each.
+
+    It is bare where it has no word besides those that declare: ``Standard DH parameters:``.
+    """
+
+    comment: Comment
+    convention: Convention | None
+    units: Mapping[str, str]
+    types: str
+    is_bare: bool
+
+
+def sentences_in(comments: Iterable[Comment]) -> list[Sentence]:
+    """The sentences among comments that declare something."""
+    return [sentence for comment in comments if (sentence := said_in(comment))]
+
+
+def said_in(comment: Comment) -> Sentence | None:
+    """What a comment declares as a sentence; None where it is prose."""
+    convention, units, types, is_bare = _read(comment.text)
+    return Sentence(comment, convention, units, types, is_bare) if convention or units or types else None
+
+
+@lru_cache(maxsize=1024)
+def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
+    spaced = re.sub(_CHINESE, r" \1 ", unicodedata.normalize("NFC", text)) if not text.isascii() else text
+    tokens = [part for token in re.findall(_TOKENS, spaced) for part in _split(token)]
+    letters = re.findall(_TYPES, text)
+    types = letters[0].replace("-", "") if len(letters) == 1 else ""
+    is_bare = all(_unit(token) or any(_is(name, token) for name in _DECLARING) for token in tokens if token.isalpha())
+    return _convention(tokens), _units(tokens), types, is_bare
+
+
+def _split(token: str) -> list[str]:
+    """A token, or several: ``deg/s`` is one unit, ``mm/deg`` are two."""
+    if "/" not in token or len(token) == 1 or _unit(token):
+        return [token]
+    return [part for piece in token.split("/") for part in (piece, "/")][:-1]
+
+
+def _is(section: str, token: str) -> bool:
+    """Whether a token is one of the words of a line, or, in a script without blanks, has one of them in it."""
+    keys, key = keys_in("sentences", section), key_of(token.casefold())
+    return key in keys or (
+        bool(re.fullmatch(_CHINESE, token)) and any(word in token for word in keys if not word.isascii())
+    )
+
+
+def _convention(tokens: Sequence[str]) -> Convention | None:
+    """The convention that a sentence names, and no other, beside a word that shows what it is about."""
+    words = [token for token in tokens if token[:1].isalpha()]
+    happened = [_is("happened", word) for word in [*words[1:], ""]]  # `modified on …` names none
+    pairs = list(zip(words, happened, strict=True)) if words else []
+    named = {each for each in Convention for word, has_date in pairs if _is(each.value, word) and not has_date}
+    about = len(words) == 1 or any(_is("of_conventions", word) for word in words)
+    is_dashed = any(tokens[k : k + 3] in (["D", "-", "H"], ["d", "-", "h"]) for k in range(len(tokens)))
+    if len(named) != 1 or not (about or is_dashed) or any(_is("not", word) for word in words):
+        return None
+    return named.pop()
+
+
+def _units(tokens: Sequence[str]) -> dict[str, str]:
+    """The units that a sentence names of all lengths, angles and so on: one of each at most."""
+    fields = {
+        field.name
+        for before, token in pairwise(["", *tokens])
+        if not (_is("before", before) and _unit(token))  # `in m` is no mass
+        and (field := header_fields().get(key_of(token.casefold())))
+    }
+    named = {name for name in _MEASURES if any(_is(name, token) for token in tokens)}
+    if fields - _WHOLE and not named:
+        return {}  # `joint limits in degrees` says nothing of other angles
+    found: dict[str, set[str]] = {}
+    alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
+    is_list = alone and len(list(filter(_unit, tokens))) > 1
+    has_unit_word = any(_is("before", token) and len(token) > 2 for token in tokens)  # noqa: PLR2004 - no preposition
+    last: int | None = None  # the place of the latest unit
+    for place, token in enumerate(tokens):
+        unit = _unit(token)
+        key = KEY_OF.get(unit.dimension) if unit else None
+        if not unit or not key or (_is("no_units", token) and not is_list):
+            continue
+        behind = tokens[place + 1] if place + 1 < len(tokens) else "."
+        if (token.casefold() == "in" and behind not in _ENDS) or _is("of", behind):
+            continue
+        start = place - 1
+        while start >= 0 and (_is("between", tokens[start]) or (has_unit_word and tokens[start] == "1")):
+            start -= 1
+        before = tokens[start] if start >= 0 else ""
+        listed_alone = before in _LISTING and (behind in _ENDS or _is("between", behind)) and len(token) > 1
+        joined = start == last and place - start > 1  # `mm and deg`
+        follows = joined or (last is not None and start <= last + 1 and before in _LISTING)
+        opened = before in _OPENING or _is("before", before) or any(_is(name, before) for name in _MEASURES)
+        field = FIELDS.get(tokens[start - 1].casefold()) if before in _LISTING and start > 0 else None
+        of_field = field is not None and field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
+        if alone or follows or opened or of_field or listed_alone:
+            found.setdefault(key, set()).add(unit.symbol)
+            last = place
+    if len(fields & _LENGTHS) == 1 and "length" not in named:
+        found.pop("length", None)  # `a in mm` says nothing of d
+    return {key: units.pop() for key, units in found.items() if len(units) == 1}
+
+
+@lru_cache(maxsize=1024)
+def _unit(token: str) -> Unit | None:
+    """The unit that a word stands for, in any language."""
+    plain = token.casefold()
+    name = next((name for name in _FOREIGN if key_of(plain) in keys_in("sentences", name)), None)
+    return UNITS[name] if name else UNITS.get(unit_word(token)) or UNITS.get(unit_word(plain))
+
+
+# --- What they declare ------------------------------------------------------------------------------------------------
+
+
+def declare(
+    sentences: Sequence[Sentence], statements: Statements, add: Callable[[Problem], None], *, by_row: bool = False
+) -> None:
+    """Takes what sentences declare where nothing else does; refuses what contradicts the table.
+
+    One notice names all sentences of which something is taken. A line that says nothing but the convention is as good
+    as a key, and has none.
+
+    Args:
+        sentences: those of the table.
+        statements: what the table and the options declare.
+        add: what takes the problems.
+        by_row: whether each row has its convention.
+    """
+    taken: dict[str, list[str]] = {}
+    headers = statements.columns.units.values() if statements.columns else ()
+    for sentence in sentences:
+        cell = Cell(sentence.comment.line, sentence.comment.whole)
+        found = list[str]()
+        if sentence.convention and not by_row:
+            if statements.convention is None:
+                found.append(f"convention: {sentence.convention}")
+            statements.declare_implied_convention(sentence.convention, cell, add)
+        for key, symbol in sentence.units.items():
+            unit = UNITS[unit_word(symbol)]
+            if symbol in {each.symbol for each in headers if each.dimension is unit.dimension}:
+                continue
+            read = statements.units().of(unit.dimension)
+            if unit.dimension not in statements.stated and (symbol != read.symbol if read else not unit.is_si):
+                found.append(f"{key}: {symbol}")
+            statements.declare_unit(Cell(symbol, cell.mark), key, add, said=cell.text)
+        if sentence.units.keys() & {each.partition(":")[0] for each in found} or (found and not sentence.is_bare):
+            taken.setdefault(cell.text, []).extend(found)
+    if taken:
+        says = listed([f"{shown(line)} ({', '.join(said)})" for line, said in taken.items()])
+        place = next(each.comment.whole for each in sentences if each.comment.line in taken)
+        add(say("declared-by-sentences", place, says=says, verb="declares" if len(taken) == 1 else "declare"))
+
+
+def declare_types(
+    sentences: Sequence[Sentence],
+    rows: Sequence[tuple[dict[str, Cell] | None, Mark]],
+    add: Callable[[Problem], None],
+) -> None:
+    """Gives the rows of a table without types those that a sentence declares, a letter each.
+
+    Args:
+        sentences: those of the table.
+        rows: the cells of each row by field, which are changed, and its place.
+        add: what takes the notice, where no other one names the sentence.
+    """
+    said = [each for each in sentences if len(each.types) == len(rows)]
+    if not said or any(cells is None or "type" in cells for cells, _ in rows):
+        return
+    first, line, place = said[0], said[0].comment.line, said[0].comment.whole
+    if other := next((each.comment for each in said if each.types != first.types), None):
+        add(say("types-twice", other.whole, field="type", line=other.line, other=line))
+    for (cells, _), letter in zip(rows, first.types, strict=True):
+        kind = joint_type(letter)
+        if cells is not None and kind:
+            cells["type"] = Cell(kind.value, place)
+    if not (first.convention or first.units):
+        add(say("types-by-a-sentence", place, field="type", line=line, types=first.types))

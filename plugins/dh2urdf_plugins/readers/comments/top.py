@@ -9,8 +9,7 @@ from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import STATEMENTS
-from dh2urdf_plugins.readers.comments.declared import declared_key, statements_in
-from dh2urdf_plugins.readers.comments.sentences import Sentence, sentences_in
+from dh2urdf_plugins.readers.comments.declared import Sentence, declared_key, sentences_in, statements_in
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, marked_as_left_out, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.words import read_header

@@ -20,7 +20,7 @@ from dh2urdf.output import NameSet
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
-from dh2urdf_plugins.readers.comments.sentences import declare, declare_types
+from dh2urdf_plugins.readers.comments.declared import declare, declare_types
 from dh2urdf_plugins.readers.header.header_rows import unit_in
 from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_problems
 from dh2urdf_plugins.readers.options import given_by

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import gc
 import io
-import math
 import os
 import warnings
 from itertools import islice
@@ -74,27 +73,6 @@ def test_an_encoding_is_recognised(read_one: Callable[..., Manipulator], encodin
     assert [row.joint for row in arm.rows] == ["Grün", "j2"]
 
 
-@pytest.mark.parametrize(
-    "table",
-    [
-        "\n\n" + HEADER + "\n" + ROWS.replace("\n", "\n\n"),
-        HEADER + "# a comment, with commas\n" + ROWS + "   \n,,,,,\n",
-        (HEADER + ROWS).replace("\n", ",,,\n"),
-        "sep=;\n" + (HEADER + ROWS).replace(",", ";"),
-        (HEADER + ROWS).replace(",", ";").replace(".", ","),
-        '"' + (HEADER + ROWS).strip().replace(",", '","').replace("\n", '"\n"') + '"\n',
-        "# " + HEADER + ROWS,
-        HEADER.replace("theta", "theta,remark") + ROWS.replace("0\n", '0,"several\nlines, ""quoted"""\n'),
-        "# convention: standard\n# units: {length: m}\n# Source: a manual, p. 12\n" + HEADER + ROWS,
-    ],
-)
-def test_a_table_means_the_same_in_its_dialects(read_one: Callable[..., Manipulator], table: str) -> None:
-    """Blank lines, comments, empty columns, delimiters, decimal commas, quotes, a header behind a #."""
-    arm = read_one(table)
-    assert lengths(arm) == [(0.0, 0.1), (0.4, 0.0)]
-    assert [(row.joint, row.type.value) for row in arm.rows] == [("j1", "revolute"), ("j2", "prismatic")]
-
-
 def test_what_a_table_cannot_hold_stands_in_comment_lines(read: Callable[..., list[Manipulator | Rejected]]) -> None:
     """Name, convention, units, base, tool and defaults, as YAML behind a #."""
     (arm,) = read(
@@ -126,18 +104,6 @@ def test_the_columns_of_a_message_are_those_of_the_line(read: Callable[..., list
     (arm,) = read('joint,type,a,alpha,d\n"é, ""x""", R ,  abc,0,1\n', convention="standard")
     assert isinstance(arm, Rejected)
     assert str(arm.problems[0].mark) == "arm.csv:2:18"
-
-
-def test_names_keep_their_text(read_one: Callable[..., Manipulator]) -> None:
-    """007 is no 7, 1e3 no thousand."""
-    arm = read_one("joint,link,a,alpha,d\n007,1e3,0,0,1\nno,1.0,0,0,1\n")
-    assert [(row.joint, row.link) for row in arm.rows] == [("007", "1e3"), ("no", "1.0")]
-
-
-def test_an_index_column_alone_numbers_or_names_the_joints(read_one: Callable[..., Manipulator]) -> None:
-    """Numbers are checked and give joint_1, joint_2; names are names."""
-    assert [row.joint for row in read_one("i,a,alpha,d\n1,0,0,1\n2,0,0,1\n").rows] == ["joint_1", "joint_2"]
-    assert [row.joint for row in read_one("#,a,alpha,d\nA1,0,0,1\nA2,0,0,1\n").rows] == ["A1", "A2"]
 
 
 def test_all_problems_of_a_table_come_at_once_in_the_order_of_the_file(
@@ -189,37 +155,3 @@ def test_a_reader_that_is_left_closes_its_file(tmp_path: Path) -> None:
         gc.collect()
     path.unlink()
     assert not [file for file in gc.get_objects() if isinstance(file, io.BufferedReader) and file.name == str(path)]
-
-
-def test_a_decimal_comma_between_commas_stands_in_quotes(read_one: Callable[..., Manipulator]) -> None:
-    """So a German Google Sheet writes its numbers; the other numbers show that it separates no thousands."""
-    arm = read_one('a,alpha,d,upper,lower\n"0,425","-1,5","1,250",90°,"-0,5 rad"\n')
-    (row,) = arm.rows
-    assert (row.a, row.alpha, row.d, row.limits.lower) == (0.425, -1.5, 1.25, -0.5)
-
-
-@pytest.mark.parametrize("unit", ["rad/s", "rad/min", ""])
-def test_a_decimal_comma_before_a_unit_of_two_parts(unit: str, read_one: Callable[..., Manipulator]) -> None:
-    """`2,25 rad` was read, and `2,25 rad/s` was refused."""
-    (row,) = read_one(f'a,alpha,d,velocity,effort\n1,0,0,"2,25 {unit}","0,5 N·m"\n').rows
-    assert row.limits.velocity == pytest.approx(2.25 / (60.0 if unit == "rad/min" else 1.0), rel=1e-15)
-    assert row.limits.effort == 0.5
-
-
-@pytest.mark.parametrize(
-    ("header", "cell", "field", "number"),
-    [
-        ("max [°/s]", "180", "velocity", math.pi),
-        ("max rpm", "30", "velocity", math.pi),
-        ("limit [deg/s]", "180", "velocity", math.pi),
-        ("max [kgf·cm]", "100", "effort", 9.80665),
-    ],
-)
-def test_a_largest_value_is_what_its_unit_measures(
-    header: str, cell: str, field: str, number: float, read_one: Callable[..., Manipulator]
-) -> None:
-    """It was a bound of the joint, whose unit was refused; beside bounds it was one more of them."""
-    for others, bounds in (("", ""), (",min [°],max [°]", ",-170,170")):
-        arm = read_one(f"a,alpha,d{others},{header}\n0.3,0,0{bounds},{cell}\n")
-        assert getattr(arm.rows[0].limits, field) == pytest.approx(number, rel=1e-15)
-        assert arm.rows[0].limits.upper == (pytest.approx(math.radians(170)) if bounds else None)

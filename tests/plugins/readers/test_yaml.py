@@ -4,9 +4,6 @@ import json
 import math
 from typing import TYPE_CHECKING
 
-import pytest
-
-from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, LinkGeometry, Manipulator
 from dh2urdf.stages import Rejected
 
@@ -67,16 +64,6 @@ def test_a_file_may_hold_several_manipulators(read: Callable[..., list[Manipulat
     assert isinstance(fourth, Rejected)
 
 
-@pytest.mark.parametrize(
-    "content",
-    ["robots: []", "robots: 3", "robots: [{joints: []}]\nconvention: DH", "[1]", "a: [", "", "a: 1\n---\nb: 2\n"],
-)
-def test_a_file_that_holds_no_table_is_refused(read: Callable[..., list[Manipulator | Rejected]], content: str) -> None:
-    """As a whole, and as an error of the table."""
-    with pytest.raises(TableError):
-        read(content, ".yaml")
-
-
 def test_defaults_hold_where_a_joint_says_nothing(read_one: Callable[..., Manipulator]) -> None:
     """Fields of joints too; what a joint says itself is stronger, a sign under its other name included."""
     arm = read_one(
@@ -86,12 +73,6 @@ def test_defaults_hold_where_a_joint_says_nothing(read_one: Callable[..., Manipu
     assert [(row.type.value, row.sign) for row in arm.rows] == [("prismatic", -1), ("revolute", 1)]
 
 
-def test_the_headers_of_csv_are_keys_too(read_one: Callable[..., Manipulator]) -> None:
-    """r, α and θ mean in YAML what they mean in CSV."""
-    arm = read_one("joints: [{joint: x, r: 0.5, α: 0, d: 1, θ: 0.25, q_min: -1, q_max: 1}]", ".yaml")
-    assert (arm.rows[0].joint, arm.rows[0].a, arm.rows[0].theta, arm.rows[0].limits.lower) == ("x", 0.5, 0.25, -1.0)
-
-
 def test_craigs_keys_mean_his_convention(read: Callable[..., list[Manipulator | Rejected]]) -> None:
     """They contradict the other one."""
     table = 'joints: [{"a_{i-1}": 0.5, "alpha_{i-1}": 0, d: 1}]'
@@ -99,83 +80,3 @@ def test_craigs_keys_mean_his_convention(read: Callable[..., list[Manipulator | 
     assert isinstance(arm, Manipulator)
     assert arm.convention is Convention.MODIFIED
     assert isinstance(read(table, ".yaml", convention="standard")[0], Rejected)
-
-
-@pytest.mark.parametrize(
-    "joint",
-    [
-        "{a: 0, alpha: 0}",
-        "{a: 0, alpha: 0, d: [1]}",
-        "{a: 0, alpha: 0, d: .inf}",
-        "{a: 0, A: 0, alpha: 0, d: 1}",
-        "{a: 0, alpha: 0, d: 1, sign: 1, flip: true}",
-        "{a: 0, alpha: 0, d: 1, lower: 0, limits: {lower: 0, upper: 1}}",
-        "{a: 0, alpha: 0, d: 1, limits: [0, 1, 2]}",
-        "{a: 0, alpha: 0, d: 1, com: [0, 0, x]}",
-        "{a: 0, alpha: 0, d: 1, mass: 1, inertia: 3}",
-        "{a: 0, alpha: 0, d: 1, mass: -1}",
-        "{a: 0, alpha: 0, d: 1, convention: standard}",
-        "{'a [mm]': 0, alpha: 0, d: 1}",
-        '{name: "\\x07", a: 0, alpha: 0, d: 1}',
-        "{name: [x], a: 0, alpha: 0, d: 1}",
-    ],
-)
-def test_a_joint_that_is_wrong_is_refused(read: Callable[..., list[Manipulator | Rejected]], joint: str) -> None:
-    """With a place in the file and what would be accepted."""
-    (arm,) = read(f"convention: standard\njoints:\n- {joint}\n", ".yaml")
-    assert isinstance(arm, Rejected)
-    assert all(problem.mark and problem.mark.line and problem.accepted for problem in arm.problems)
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("base", "{xyz: 3}"),
-        ("base", "{xyz: [0, 0, true]}"),
-        ("base", "{xyz: [q1, 0, 0]}"),
-        ("base", "[[1, 0], [0, 1]]"),
-        ("base", "[[1e300, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"),
-        ("tool", "{mass: 3}"),
-        ("base", "{mass: -1}"),
-        ("payload", "{com: [0, 0, 0]}"),
-        ("payload", "[1, 2]"),
-        ("payload", "{mass: 1, inertia: {ixx: 1, iyy: 1}}"),
-        ("payload", "{mass: 1, inertia: [[1, 0, 0], [0.1, 1, 0], [0, 0, 1]]}"),
-        ("base", "{geometry: {colour: red}}"),
-        ("defaults", "{name: x}"),
-        ("units", "gon"),
-        ("units", "{length: rad}"),
-        ("units", "mm, m"),
-        ("name", "[x]"),
-        ("convention", "[x]"),
-        ("visals", "none"),
-        ("joints", "3"),
-    ],
-)
-def test_what_holds_for_all_joints_is_checked(
-    read: Callable[..., list[Manipulator | Rejected]], key: str, value: str
-) -> None:
-    """Units, transforms, shapes and names: an error names the key."""
-    table = {"convention": "standard", "joints": "[{a: 0, alpha: 0, d: 1}]"} | {key: value}
-    (arm,) = read("\n".join(f"{name}: {text}" for name, text in table.items()), ".yaml")
-    assert isinstance(arm, Rejected)
-    assert key in str(arm.problems[0])
-
-
-@pytest.mark.parametrize(
-    ("limits", "com"),
-    [
-        ("{min: -170 deg, max: 90 deg}", "{x: 0, y: 0.1, z: -0.2}"),
-        ("{lower: -170 deg, max: 90 deg}", "{com_x: 0, com_y: 0.1, z: -0.2}"),
-        ('"min: -170 deg, max: 90 deg"', '"x: 0, y: 0.1, z: -0.2"'),
-    ],
-)
-def test_mappings_of_bounds_and_coordinates_have_the_words_of_cells(
-    limits: str, com: str, read_one: Callable[..., Manipulator]
-) -> None:
-    """`min` and `x` were read in a text, and refused in a mapping."""
-    text = f"joints: [{{a: 0.3, alpha: 0, d: 0, mass: 1, limits: {limits}, com: {com}}}]\n"
-    (row,) = read_one(text, ".yaml").rows
-    assert row.com == (0.0, 0.1, -0.2)
-    assert row.limits is not None
-    assert (row.limits.lower, row.limits.upper) == pytest.approx((math.radians(-170), math.radians(90)), abs=1e-12)

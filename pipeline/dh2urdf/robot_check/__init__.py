@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.mass import inertia_problem, is_sound
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf.robot_check.formulas import formula_problems
 from dh2urdf.rotations import norm
 from dh2urdf.row_fields import DYNAMICS, INERTIA
 from dh2urdf.source import Messages, Problem, did_you_mean, shown
@@ -31,6 +31,9 @@ say = Messages(__file__)
 LONGEST_NAME = 1000
 """Characters of a name: PyBullet crashes on longer ones, or cuts them."""
 
+FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
+"""The functions that formulas may use."""
+_IDENTIFIER = r"(?<![\w.])[^\W\d]\w*"
 UNIT = 1e-9
 """How far the length of an axis may be from 1: PyBullet takes another length for another inertia."""
 
@@ -55,7 +58,7 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     for link in robot.links:
         problems += _body_problems(link, joint_to.get(link.name))
         problems += _shape_problems(link, joint_to.get(link.name))
-    problems += [*_weightless_chains(robot, joint_to), *formula_problems(robot)]
+    problems += [*_weightless_chains(robot, joint_to), *_formula_problems(robot)]
     return tuple(problem.about(robot=robot.name) for problem in problems)
 
 
@@ -296,3 +299,40 @@ def _finite(joint: Joint | None, field: str, numbers: Iterable[float]) -> Iterat
     culprit = next((number for number in numbers if not math.isfinite(number)), None)
     if culprit is not None:
         yield _problem(joint, "numbers-infinite", field, found=str(culprit))
+
+
+# Formulas.
+
+
+def _formula_problems(robot: Robot) -> Iterator[Problem]:
+    """Formulas use the robot's parameters, each declared once with a finite number, and the known functions."""
+    declared: set[str] = set()
+    for parameter in robot.parameters:
+        if parameter.name in declared or not math.isfinite(parameter.value):
+            code = "parameter-twice" if parameter.name in declared else "parameter-infinite"
+            yield say(code, joint=parameter.joint, field=parameter.name, value=parameter.value)
+        declared.add(parameter.name)
+    known = declared | FUNCTIONS
+    for formula in _formulas(robot):
+        for name in _names_in(formula):
+            if name not in known:
+                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(FUNCTIONS))
+
+
+def _formulas(robot: Robot) -> Iterator[str]:
+    shapes = [shape for link in robot.links for shape in link.shapes]
+    for origin in [*(joint.origin for joint in robot.joints), *(shape.origin for shape in shapes)]:
+        yield from origin.xyz_formula or ()
+        yield from origin.rpy_formula or ()
+    for shape in shapes:
+        match shape.geometry:
+            case Box(size_formula=(x, y, z)):
+                yield from (x, y, z)
+            case Cylinder(length_formula=str(length)):
+                yield length
+
+
+@lru_cache(maxsize=4096)
+def _names_in(formula: str) -> tuple[str, ...]:
+    """The names that a formula uses; the robots of a run share most of their formulas."""
+    return tuple(dict.fromkeys(re.findall(_IDENTIFIER, formula)))

@@ -48,8 +48,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import LOAD_TIME_LIMIT
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits
-from dh2urdf_plugins.loaders.measures import HOLD_SECONDS, HOLD_STAYS, Comparison, farthest, hold_start
-from dh2urdf_plugins.loaders.model import Model
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -200,7 +199,7 @@ class Connection:
             raise LoaderError(f"CoppeliaSim refused: {said} (its console says more)") from error
 
 
-class Arm(Model):
+class Arm(measures.Model):
     """The arm as CoppeliaSim holds it, beside the robot that was written.
 
     Args:
@@ -214,7 +213,7 @@ class Arm(Model):
 
     def __init__(self, request: LoadRequest, connection: Connection, *, same_machine: bool) -> None:
         self.request, self.robot, self.connection = request, request.robot, connection
-        self.comparison = Comparison("CoppeliaSim", request, _PRECISION)
+        self.comparison = measures.Comparison("CoppeliaSim", request, _PRECISION)
         self.ask = connection.ask
         self.sim = self.ask(connection.client.require, "sim")
         if self.ask(self.sim.getSimulationState) != self.sim.simulation_stopped:
@@ -260,7 +259,7 @@ class Arm(Model):
             raise LoaderError([replace(problem, suggestion=advice) for problem in error.problems]) from error
 
     def _report(self) -> LoadReport:
-        start = self.comparison.values(hold_start(self.robot))
+        start = self.comparison.values(measures.hold_start(self.robot))
         frames = link_poses(self.robot, start)
         self.put(start)
         child = {joint.name: frames[joint.child] for joint in self.robot.moving_joints}
@@ -457,7 +456,7 @@ class Arm(Model):
         Raises:
             LoaderError: this CoppeliaSim has no such engine.
         """
-        ask, sim, start = self.ask, self.sim, hold_start(self.robot)
+        ask, sim, start = self.ask, self.sim, measures.hold_start(self.robot)
         before = ask(sim.getInt32Param, sim.intparam_dynamic_engine)
         ask(sim.setInt32Param, sim.intparam_dynamic_engine, getattr(sim, f"physics_{engine}"))
         ask(sim.setStepping, True)
@@ -467,7 +466,7 @@ class Arm(Model):
             for name, value in self.comparison.values(start).items():
                 ask(sim.setJointTargetPosition, self.joints[name], float(value))
             ask(sim.startSimulation)
-            displacement = farthest(start, self._vectors(engine, apart))
+            displacement = measures.farthest(start, self._vectors(engine, apart))
         finally:
             if not self.connection.lost:
                 self._stop()
@@ -475,17 +474,17 @@ class Arm(Model):
                 ask(sim.setInt32Param, sim.intparam_dynamic_engine, before)
         record, findings = self.comparison.hold(start, displacement, ())
         tip, distance = max(apart.items(), key=lambda item: item[1])
-        if distance <= HOLD_STAYS:
+        if distance <= measures.HOLD_STAYS:
             return record, findings
-        code = "coppeliasim-joints-apart"
-        finding = self.comparison.placed(say(code, engine=engine, seconds=HOLD_SECONDS, tip=tip, distance=distance))
+        about = {"engine": engine, "seconds": measures.HOLD_SECONDS, "tip": tip, "distance": distance}
+        finding = self.comparison.placed(say("coppeliasim-joints-apart", **about))
         return {**record, "stayed": False}, (*findings, finding)
 
     def _vectors(self, engine: str, apart: dict[str, float]) -> Iterator[list[float]]:
         """Give the joint vector of each step of a simulation; note how far each tip is from where joints put it [m]."""
         ask, sim = self.ask, self.sim
         moves = False
-        while ask(sim.getSimulationTime) < HOLD_SECONDS:
+        while ask(sim.getSimulationTime) < measures.HOLD_SECONDS:
             ask(sim.step)
             if not (moves := moves or any(ask(sim.isDynamicallyEnabled, each) for each in self.joints.values())):
                 raise LoaderError(

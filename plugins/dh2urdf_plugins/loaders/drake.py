@@ -22,28 +22,7 @@ from dh2urdf.measuring import DOUBLE, Body
 from dh2urdf.rotations import ZERO, RigidTransform
 from dh2urdf.source import Messages, listed, shown
 from dh2urdf.stages import HeldRobot
-from dh2urdf_plugins.loaders.measures import (
-    HOLD_SECONDS,
-    HOLD_STAYS,
-    OVERLAP,
-    TIME_STEP,
-    Comparison,
-    farthest,
-    hold_start,
-    rotation,
-    vector,
-)
-from dh2urdf_plugins.loaders.model import (
-    COLLISION,
-    VISUAL,
-    Lengths,
-    Model,
-    lengths,
-    lengths_of,
-    refused,
-    told_bodies,
-    told_shapes,
-)
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -55,12 +34,12 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-YIELD = HOLD_STAYS / 10
+YIELD = measures.HOLD_STAYS / 10
 """Displacement at which a motor of the hold test gives its full effort [rad or m]: it acts as a stiff spring."""
 _MARK = "Drake logged "
 
 
-class Held(Model):
+class Held(measures.Model):
     """What Drake makes of a file; `build` is called before joints are put.
 
     Raises:
@@ -75,7 +54,7 @@ class Held(Model):
         from pydrake.systems.framework import DiagramBuilder
 
         self._builder = DiagramBuilder()
-        self.plant, self.scene = AddMultibodyPlantSceneGraph(self._builder, TIME_STEP)
+        self.plant, self.scene = AddMultibodyPlantSceneGraph(self._builder, measures.TIME_STEP)
         parser = Parser(self.plant)
         for name, folder in packages.items():
             if not parser.package_map().Contains(name):
@@ -111,7 +90,7 @@ class Held(Model):
         return {
             "name": name,
             "type": "continuous" if endless else kind,
-            "axis": vector(axis),
+            "axis": measures.vector(axis),
             "lower": None if endless else float(lower),
             "upper": None if endless else float(upper),
             "velocity": float(joint.velocity_upper_limits()[0]),
@@ -134,7 +113,7 @@ class Held(Model):
             spatial = body.default_spatial_inertia()
             com = spatial.get_com()
             about_com = spatial.Shift(com).CalcRotationalInertia().CopyToFullMatrix3()
-            bodies[name] = Body(float(spatial.get_mass()), vector(com), rotation(about_com))
+            bodies[name] = Body(float(spatial.get_mass()), measures.vector(com), measures.rotation(about_com))
         return bodies
 
     def put(self, values: Mapping[str, float]) -> None:
@@ -149,38 +128,35 @@ class Held(Model):
     def placed(self, links: Iterable[str]) -> dict[str, RigidTransform]:
         """The frames of some links in the world."""
         poses = {name: self.frame(name).CalcPoseInWorld(self.state) for name in links}
-        return {
-            name: RigidTransform(rotation(pose.rotation().matrix()), vector(pose.translation()))
-            for name, pose in poses.items()
-        }
+        return {name: measures.frame(pose.rotation().matrix(), pose.translation()) for name, pose in poses.items()}
 
-    def held_shapes(self) -> Iterator[tuple[str, str, Lengths | None]]:
+    def held_shapes(self) -> Iterator[tuple[str, str, measures.Lengths | None]]:
         """The lengths of the shapes of each body; of a mesh, where Drake has its convex hull."""
         from pydrake.geometry import Role
 
         inspector = self.scene.model_inspector()
         for name, body in self.bodies.items():
             frame = self.plant.GetBodyFrameIdIfExists(body.index())
-            for role, word in ((Role.kIllustration, VISUAL), (Role.kProximity, COLLISION)):
+            for role, word in ((Role.kIllustration, measures.VISUAL), (Role.kProximity, measures.COLLISION)):
                 for shape in inspector.GetGeometries(frame, role) if frame is not None else ():
                     yield name, word, _lengths_of_shape(inspector, shape)
 
 
-def _lengths_of_shape(inspector: Any, shape: Any) -> Lengths | None:  # noqa: ANN401 - of Drake
+def _lengths_of_shape(inspector: Any, shape: Any) -> measures.Lengths | None:  # noqa: ANN401 - of Drake
     from pydrake.geometry import Box, Capsule, Cylinder, Sphere
 
     match inspector.GetShape(shape):
         case Box() as box:
-            return lengths(box.width(), box.depth(), box.height())
+            return measures.lengths(box.width(), box.depth(), box.height())
         case Sphere() as sphere:
-            return lengths(*(3 * (2 * sphere.radius(),)))
+            return measures.lengths(*(3 * (2 * sphere.radius(),)))
         case Cylinder() as cylinder:
-            return lengths(2 * cylinder.radius(), 2 * cylinder.radius(), cylinder.length())
+            return measures.lengths(2 * cylinder.radius(), 2 * cylinder.radius(), cylinder.length())
         case Capsule() as capsule:
             wide = 2 * capsule.radius()
-            return lengths(wide, wide, wide + capsule.length())
+            return measures.lengths(wide, wide, wide + capsule.length())
     hull = inspector.GetConvexHull(shape)
-    return None if hull is None else lengths_of([hull.vertex(at) for at in range(hull.num_vertices())])
+    return None if hull is None else measures.lengths_of([hull.vertex(at) for at in range(hull.num_vertices())])
 
 
 # --- The arm of a run
@@ -194,7 +170,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     """
     log_to_output()
     # Drake holds the inertia about the link's origin: a centre of mass far from it costs digits.
-    comparison = Comparison("Drake", request, DOUBLE._replace(inertia_about_origin=1e-15))
+    comparison = measures.Comparison("Drake", request, DOUBLE._replace(inertia_about_origin=1e-15))
     held = _guarded(comparison, lambda: Held(request.path.resolve(), {}), "cannot load the file")
     joints = [*map(held.held_joint, held.joints.values())]
     bodies = held.held_bodies(link.name for link in request.robot.links)
@@ -216,7 +192,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     return replace(report, hold=hold, findings=findings)
 
 
-def _guarded(comparison: Comparison, call: Callable[[], Any], doing: str) -> Any:  # noqa: ANN401 - of Drake
+def _guarded(comparison: measures.Comparison, call: Callable[[], Any], doing: str) -> Any:  # noqa: ANN401 - of Drake
     """Call into Drake, and tell its errors as ours."""
     try:
         return call()
@@ -232,7 +208,7 @@ def _fix_root(held: Held, name: str) -> None:
         held.plant.WeldFrames(held.plant.world_frame(), root)
 
 
-def _add_motors(held: Held, comparison: Comparison) -> None:
+def _add_motors(held: Held, comparison: measures.Comparison) -> None:
     """Put a motor on every joint whose effort is above 0, with a stiff spring as its control.
 
     The spring cannot make the simulation unstable: Drake solves for it implicitly (the SAP solver, and
@@ -248,11 +224,11 @@ def _add_motors(held: Held, comparison: Comparison) -> None:
             motor.set_controller_gains(PdControllerGains(p=effort / YIELD, d=effort / YIELD * 0.1))
 
 
-def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
     """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
     from pydrake.systems.analysis import Simulator
 
-    start = hold_start(comparison.robot)
+    start = measures.hold_start(comparison.robot)
     targets = comparison.values(start)
     held.put(targets)
     contacts = comparison.overlapping(_overlaps(held))
@@ -265,11 +241,11 @@ def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Pro
     columns = [held.joints[name].position_start() for name in targets]
 
     def vectors() -> Iterator[Any]:
-        for step in range(1, round(HOLD_SECONDS / TIME_STEP) + 1):
-            _guarded(comparison, partial(simulator.AdvanceTo, step * TIME_STEP), "cannot simulate the arm")
+        for step in range(1, round(measures.HOLD_SECONDS / measures.TIME_STEP) + 1):
+            _guarded(comparison, partial(simulator.AdvanceTo, step * measures.TIME_STEP), "cannot simulate the arm")
             yield held.plant.GetPositions(held.state)[columns]
 
-    return comparison.hold(start, farthest(start, vectors()), contacts)
+    return comparison.hold(start, measures.farthest(start, vectors()), contacts)
 
 
 def _overlaps(held: Held) -> Iterator[tuple[str, str]]:
@@ -277,7 +253,7 @@ def _overlaps(held: Held) -> Iterator[tuple[str, str]]:
     query = held.scene.get_query_output_port().Eval(held.scene.GetMyContextFromRoot(held.context))
     inspector = held.scene.model_inspector()
     for pair in query.ComputePointPairPenetration():
-        if pair.depth > OVERLAP:
+        if pair.depth > measures.OVERLAP:
             frames = [inspector.GetFrameId(shape) for shape in (pair.id_A, pair.id_B)]
             first, second = (str(held.plant.GetBodyFromFrameId(frame).name()) for frame in frames)
             yield first, second
@@ -306,19 +282,19 @@ def inspect(question: Question) -> HeldRobot:
         held.plant.Finalize()
         held.build()
     except (RuntimeError, ValueError) as error:
-        raise refused(error, question) from error
+        raise measures.refused(error, question) from error
     except SystemExit as error:
-        raise refused(f"ends the interpreter with SystemExit: {error}", question) from error
+        raise measures.refused(f"ends the interpreter with SystemExit: {error}", question) from error
     world = held.plant.world_body().index()
     names = [name for name, body in held.bodies.items() if body.index() != world]
     bodies = held.held_bodies()
     # Python is not told whom a coupler joins.
     mimic = {} if held.plant.num_constraints() else {"mimic": None}
     return HeldRobot(
-        links=told_bodies({name: bodies[name] for name in names}),
+        links=measures.told_bodies({name: bodies[name] for name in names}),
         joints=[{**held.held_joint(joint), **mimic} for joint in held.joints.values() if joint.num_velocities() == 1],
         frames=held.told_frames(names, question.postures),
-        shapes=told_shapes(held.held_shapes()),
+        shapes=measures.told_shapes(held.held_shapes()),
         root_is_loose=bool(held.plant.GetFloatingBaseBodies()),
     )
 

@@ -26,17 +26,7 @@ from dh2urdf.source import Messages, shown
 from dh2urdf.stages import HeldRobot
 from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.formats.sdf.reader import parse_sdf
-from dh2urdf_plugins.loaders.measures import Comparison, carriers, lumped_bodies
-from dh2urdf_plugins.loaders.model import (
-    COLLISION,
-    VISUAL,
-    Lengths,
-    Model,
-    lengths,
-    refused,
-    told_bodies,
-    told_shapes,
-)
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -56,7 +46,7 @@ REMEDY = (
 )
 
 
-class Held(Model):
+class Held(measures.Model):
     """A robot as sdformat wrote it, and the robot of which it was asked, where that is known.
 
     sdformat lumps what a fixed joint holds into the link that carries it: of a URDF, flange and tool0 are no links in
@@ -75,7 +65,7 @@ class Held(Model):
             for link in model.links
             if link.inertial
         }
-        self.carriers = carriers(written or model, self.bodies)
+        self.carriers = measures.carriers(written or model, self.bodies)
 
     def put(self, values: Mapping[str, float]) -> None:
         """Put joints at values [rad or m]; the others are at 0."""
@@ -177,7 +167,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
         MissingProgramError: sdformat is not installed.
     """
     robot, path = request.robot, str(request.path.resolve())
-    comparison, version = Comparison("sdformat", request, precision(robot)), find_command()[1]
+    comparison, version = measures.Comparison("sdformat", request, precision(robot)), find_command()[1]
     converted, checked = _call("--print", path), _call("--check", path)
     for done, what in ((converted, "cannot convert the file"), (checked, "finds the file invalid")):
         if done.returncode or not done.stdout.strip():
@@ -188,7 +178,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
         raise LoaderError(error.problems) from error
     frames = {link.name for link in held.model.links}
     # A link is compared with the sum of what it carries; no link need be in a mere frame.
-    lumped = lumped_bodies(with_base_bodies(robot), held.bodies)  # it has no arm whose base weighs nothing
+    lumped = measures.lumped_bodies(with_base_bodies(robot), held.bodies)  # it has no arm whose base weighs nothing
     written = {name: body for name, body in lumped.items() if body.mass or name in held.bodies or name not in frames}
     report = comparison.loaded(version, held.joints, held.bodies, written)
     report = replace(report, **comparison.poses_of(held))
@@ -215,34 +205,34 @@ def inspect(question: Question) -> HeldRobot:
     checked, converted = _call("--check", path), _call("--print", path)
     if checked.returncode or converted.returncode or not converted.stdout.strip():
         told = checked.stdout if checked.returncode else converted.stdout
-        raise refused(_COLOUR.sub("", told.decode("utf-8", "replace")), question)
+        raise measures.refused(_COLOUR.sub("", told.decode("utf-8", "replace")), question)
     try:
         held = Held(parse_sdf(converted.stdout, "what sdformat wrote"))
     except ProofError:  # A model with more to it than one arm: the names of its links are all that is known.
         return HeldRobot(links=dict.fromkeys(_LINK.findall(converted.stdout.decode("utf-8", "replace"))))
-    names, links = [link.name for link in held.model.links], told_bodies(held.bodies)
+    names, links = [link.name for link in held.model.links], measures.told_bodies(held.bodies)
     shapes = (
         (link.name, word, _lengths(shape.geometry))
         for link in held.model.links
-        for word, shapes in ((VISUAL, link.visuals), (COLLISION, link.collisions))
+        for word, shapes in ((measures.VISUAL, link.visuals), (measures.COLLISION, link.collisions))
         for shape in shapes
     )
     return HeldRobot(
         links={name: links.get(name) for name in names},
         joints=held.joints,
         frames=held.told_frames(names, question.postures),
-        shapes=told_shapes(shapes),
+        shapes=measures.told_shapes(shapes),
     )
 
 
-def _lengths(geometry: Geometry) -> Lengths | None:
+def _lengths(geometry: Geometry) -> measures.Lengths | None:
     match geometry:
         case Box(size=size):
-            return lengths(*size)
+            return measures.lengths(*size)
         case Cylinder(radius=radius, length=length):
-            return lengths(2 * radius, 2 * radius, length)
+            return measures.lengths(2 * radius, 2 * radius, length)
         case Sphere(radius=radius):
-            return lengths(2 * radius, 2 * radius, 2 * radius)
+            return measures.lengths(2 * radius, 2 * radius, 2 * radius)
     return None
 
 

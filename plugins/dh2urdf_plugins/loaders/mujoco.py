@@ -29,27 +29,7 @@ from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import HeldRobot
 from dh2urdf_plugins.home_pose import stepped
-from dh2urdf_plugins.loaders.measures import (
-    HOLD_SECONDS,
-    HOLD_STAYS,
-    OVERLAP,
-    Comparison,
-    farthest,
-    hold_start,
-    rotation,
-    vector,
-)
-from dh2urdf_plugins.loaders.model import (
-    COLLISION,
-    VISUAL,
-    Lengths,
-    Model,
-    lengths,
-    lengths_of,
-    refused,
-    told_bodies,
-    told_shapes,
-)
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -64,11 +44,11 @@ say = Messages(__file__)
 
 TIME_STEP = 0.001
 """Time step of the hold test [s]."""
-YIELD = HOLD_STAYS / 4
+YIELD = measures.HOLD_STAYS / 4
 """Displacement at which a motor of the hold test gives its full effort [rad or m]."""
 MOTOR_SETTLING = 0.05
 """Time constant with which such a motor settles [s]."""
-WEIGHT_RISES = HOLD_SECONDS / 2
+WEIGHT_RISES = measures.HOLD_SECONDS / 2
 """Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
 FOLLOW_SECONDS = 3.0
 """Time that the arm has to follow a step of its targets [s]."""
@@ -88,7 +68,7 @@ _THICKER = 0.003  # by what share a link is drawn thicker than the one before: m
 _VISUALS, _FLOORS = 1, 2  # groups of shapes; MuJoCo puts what a URDF says to collide into group 0
 
 
-class Held(Model):
+class Held(measures.Model):
     """What MuJoCo makes of a file; of a written one, the root is in the world's origin.
 
     Raises:
@@ -120,10 +100,10 @@ class Held(Model):
         for name in links:
             if name in self.sites:
                 site = self.sites[name]
-                frames[name] = RigidTransform(rotation(data.site_xmat[site]), vector(data.site_xpos[site]))
+                frames[name] = measures.frame(data.site_xmat[site], data.site_xpos[site])
             else:
                 body = self.bodies[name]
-                frames[name] = RigidTransform(rotation(data.xmat[body]), vector(data.xpos[body]))
+                frames[name] = measures.frame(data.xmat[body], data.xpos[body])
         return frames
 
     def held_joint(self, number: int) -> dict[str, Any]:
@@ -138,7 +118,7 @@ class Held(Model):
         return {
             "name": model.joint(number).name,
             "type": kinds.get(kind, types(kind).name),
-            "axis": vector(model.jnt_axis[number]),
+            "axis": measures.vector(model.jnt_axis[number]),
             "lower": float(model.jnt_range[number][0]) if limited else None,
             "upper": float(model.jnt_range[number][1]) if limited else None,
             "effort": float(min(limits)) if limits else None,
@@ -148,12 +128,12 @@ class Held(Model):
         """The links as MuJoCo has them, a site without mass; inertias are turned back from their principal axes."""
         bodies = {name: Body(0.0, ZERO, (0.0,) * 9) for name in self.sites}
         for name, number in self.bodies.items():
-            axes = rotation(self._matrix(self.model.body_iquat[number]))
-            a, b, c = vector(self.model.body_inertia[number])
+            axes = measures.rotation(self._matrix(self.model.body_iquat[number]))
+            a, b, c = measures.vector(self.model.body_inertia[number])
             tensor = multiply(multiply(axes, (a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c)), transpose(axes))
             mass = float(self.model.body_mass[number])
             # The centre of no mass is wherever MuJoCo's compiler left it.
-            bodies[name] = Body(mass, vector(self.model.body_ipos[number]) if mass else ZERO, tensor)
+            bodies[name] = Body(mass, measures.vector(self.model.body_ipos[number]) if mass else ZERO, tensor)
         return bodies
 
     def held_mimic(self, number: int) -> tuple[str, float, float] | None:
@@ -166,7 +146,7 @@ class Held(Model):
                 return model.joint(second).name, factor, offset
         return None
 
-    def held_shapes(self) -> Iterator[tuple[str, str, Lengths]]:
+    def held_shapes(self) -> Iterator[tuple[str, str, measures.Lengths]]:
         """The lengths of the shapes of each body; one that touches nothing is for the eye."""
         model, types = self.model, self.mujoco.mjtGeom
         for at in range(model.ngeom):
@@ -175,16 +155,16 @@ class Held(Model):
                 mesh = int(model.geom_dataid[at])
                 first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
                 turned = self._matrix(model.mesh_quat[mesh])
-                size = lengths_of(model.mesh_vert[first : first + count] @ turned.reshape(3, 3).T)
+                size = measures.lengths_of(model.mesh_vert[first : first + count] @ turned.reshape(3, 3).T)
             else:
                 by_kind = {
                     int(types.mjGEOM_SPHERE): (2 * x, 2 * x, 2 * x),
                     int(types.mjGEOM_CAPSULE): (2 * x, 2 * x, 2 * (x + y)),
                     int(types.mjGEOM_CYLINDER): (2 * x, 2 * x, 2 * y),
                 }
-                size = lengths(*by_kind.get(kind, (2 * x, 2 * y, 2 * z)))
+                size = measures.lengths(*by_kind.get(kind, (2 * x, 2 * y, 2 * z)))
             touches = model.geom_contype[at] or model.geom_conaffinity[at]
-            yield model.body(int(model.geom_bodyid[at])).name, COLLISION if touches else VISUAL, size
+            yield model.body(int(model.geom_bodyid[at])).name, measures.COLLISION if touches else measures.VISUAL, size
 
     def _matrix(self, quaternion: Any) -> Any:  # noqa: ANN401 - arrays
         import numpy as np
@@ -237,7 +217,7 @@ class Arm:
     def __init__(self, request: LoadRequest) -> None:
         self.robot, self.path = request.robot, request.path.resolve()
         self.mujoco: Any = sys.modules["mujoco"]
-        self.comparison = Comparison("MuJoCo", request)
+        self.comparison = measures.Comparison("MuJoCo", request)
         try:
             self.held = Held(self.path)
         except (ValueError, self.mujoco.FatalError) as error:
@@ -276,7 +256,7 @@ class Arm:
 
     def _hold(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
         """Whether motors keep the arm where it is under gravity, with the efforts that MuJoCo read."""
-        mujoco, start = self.mujoco, hold_start(self.robot)
+        mujoco, start = self.mujoco, measures.hold_start(self.robot)
         model = self._with_motors()
         model.opt.timestep = TIME_STEP
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -285,12 +265,12 @@ class Arm:
         data.ctrl[:] = data.qpos[[int(model.jnt_qposadr[joint]) for joint in model.actuator_trnid[:, 0]]]
         mujoco.mj_forward(model, data)
         names, body = {number: name for name, number in self.held.bodies.items()}, model.geom_bodyid
-        touching = [contact for contact in data.contact if contact.dist < -OVERLAP]
+        touching = [contact for contact in data.contact if contact.dist < -measures.OVERLAP]
         contacts = self.comparison.overlapping((names[body[at.geom1]], names[body[at.geom2]]) for at in touching)
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
 
         def vectors() -> Iterator[Any]:
-            for step in range(round(HOLD_SECONDS / TIME_STEP)):
+            for step in range(round(measures.HOLD_SECONDS / TIME_STEP)):
                 model.opt.gravity[:] = (0.0, 0.0, -GRAVITY * min(1.0, step * TIME_STEP / WEIGHT_RISES))
                 mujoco.mj_step(model, data)
                 if self._has_begun_anew(data):
@@ -298,7 +278,7 @@ class Arm:
                     return
                 yield data.qpos[places]
 
-        return self.comparison.hold(start, farthest(start, vectors()), contacts)
+        return self.comparison.hold(start, measures.farthest(start, vectors()), contacts)
 
     def _with_motors(self) -> Any:  # noqa: ANN401 - MuJoCo's model
         """The model with a position servo on every joint, which MuJoCo itself keeps within the effort it read.
@@ -458,16 +438,16 @@ def inspect(question: Question) -> HeldRobot:
     try:
         held = Held(question.path)
     except (ValueError, mujoco.FatalError) as error:
-        raise refused(error, question) from error
+        raise measures.refused(error, question) from error
     model, free = held.model, int(mujoco.mjtJoint.mjJNT_FREE)
     names = [name for number in range(1, model.nbody) if (name := model.body(number).name)]
     bodies = held.held_bodies()
     moving = [number for number in range(model.njnt) if int(model.jnt_type[number]) != free]
     return HeldRobot(
-        links=told_bodies({name: bodies[name] for name in names}),
+        links=measures.told_bodies({name: bodies[name] for name in names}),
         joints=[{**held.held_joint(number), "mimic": held.held_mimic(number)} for number in moving],
         frames=held.told_frames(names, question.postures),
-        shapes=told_shapes(held.held_shapes()),
+        shapes=measures.told_shapes(held.held_shapes()),
         root_is_loose=bool((model.jnt_type == free).any()),
     )
 

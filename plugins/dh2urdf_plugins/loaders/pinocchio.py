@@ -19,17 +19,16 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import Body
-from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Messages
 from dh2urdf.stages import HeldRobot
-from dh2urdf_plugins.loaders.measures import Comparison, hold_start, lumped_bodies, rotation, share_of, vector
-from dh2urdf_plugins.loaders.model import COLLISION, VISUAL, Lengths, Model, lengths, refused, told_bodies, told_shapes
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Joint
+    from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
@@ -43,7 +42,7 @@ _UNIVERSE = 0  # the joint that holds the root
 _WHOLE_TURNS = 2  # coordinates of a joint that turns without end: cosine and sine
 
 
-class Held(Model):
+class Held(measures.Model):
     """What Pinocchio makes of a URDF.
 
     Raises:
@@ -89,7 +88,7 @@ class Held(Model):
         """The bodies by the names of the links that carry them, given the joints that hold these."""
         inertias = {name: self.model.inertias[number] for name, number in carriers.items() if number is not None}
         return {
-            name: Body(float(inertia.mass), vector(inertia.lever), rotation(inertia.inertia))
+            name: Body(float(inertia.mass), measures.vector(inertia.lever), measures.rotation(inertia.inertia))
             for name, inertia in inertias.items()
         }
 
@@ -113,7 +112,7 @@ class Held(Model):
     def placed(self, links: Iterable[str]) -> dict[str, RigidTransform]:
         """The frames of some links in the root."""
         frames = ((name, self.data.oMf[self.numbers[name]]) for name in links)
-        return {name: RigidTransform(rotation(frame.rotation), vector(frame.translation)) for name, frame in frames}
+        return {name: measures.frame(frame.rotation, frame.translation) for name, frame in frames}
 
 
 class _Load(NamedTuple):
@@ -131,14 +130,14 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     Raises:
         LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
     """
-    robot, comparison = request.robot, Comparison("Pinocchio", request)
+    robot, comparison = request.robot, measures.Comparison("Pinocchio", request)
     try:
         held = Held(request.path.resolve())
     except ValueError as error:  # The reason stands only in what the parser prints.
         raise LoaderError(comparison.placed(say("cannot-load", simulator="Pinocchio"))) from error
     joints = held.held_joints()
     carriers = {joint.child: held.joints.get(joint.name) for joint in robot.moving_joints}
-    bodies, written = held.held_bodies({**carriers, robot.root: _UNIVERSE}), lumped_bodies(robot)
+    bodies, written = held.held_bodies({**carriers, robot.root: _UNIVERSE}), measures.lumped_bodies(robot)
     lost = [link.name for link in robot.links if link.name not in held.numbers]
     report = comparison.loaded(version("pin"), joints, bodies, written, comparison.lost(lost))
     if len(joints) > MEASURED_JOINTS:
@@ -151,9 +150,9 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     return replace(report, hold=hold, findings=findings)
 
 
-def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
     """Whether the efforts that Pinocchio read hold the arm at its start and at every pose that was measured."""
-    start = hold_start(comparison.robot)
+    start = measures.hold_start(comparison.robot)
     vectors = (start, *comparison.request.poses)
     worst = max((load for q in vectors for load in _loads(held, comparison, q)), key=lambda load: load.share)
     hold = {
@@ -171,7 +170,7 @@ def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Pro
     return hold, (comparison.weak(worst.joint, "arm-too-heavy", q=worst.q, force=worst.force, unit=unit),)
 
 
-def _loads(held: Held, comparison: Comparison, q: Sequence[float]) -> Iterator[_Load]:
+def _loads(held: Held, comparison: measures.Comparison, q: Sequence[float]) -> Iterator[_Load]:
     """What gravity asks of every joint at a joint vector, at rest."""
     import numpy as np
 
@@ -182,7 +181,7 @@ def _loads(held: Held, comparison: Comparison, q: Sequence[float]) -> Iterator[_
     for joint in comparison.robot.moving_joints:
         at = model.joints[held.joints[joint.name]].idx_v
         force, effort = abs(float(forces[at])), float(model.effortLimit[at])
-        yield _Load(share_of(effort, force), force, joint, tuple(q))
+        yield _Load(measures.share_of(effort, force), force, joint, tuple(q))
 
 
 def inspect(question: Question) -> HeldRobot:
@@ -196,35 +195,36 @@ def inspect(question: Question) -> HeldRobot:
     except UnicodeError:  # It takes no path with bytes that are no text; what it makes of the file is not known.
         raise
     except (ValueError, RuntimeError) as error:
-        raise refused("", question) from error
+        raise measures.refused("", question) from error
     carriers: dict[int, str] = {}
     for name, number in held.numbers.items():
         carriers.setdefault(int(held.model.frames[number].parentJoint), name)
-    bodies = told_bodies(held.held_bodies({name: number for number, name in carriers.items()}))
+    bodies = measures.told_bodies(held.held_bodies({name: number for number, name in carriers.items()}))
     refusals: list[str] = []
     return HeldRobot(
         links={name: bodies.get(name) for name in held.numbers},
         joints=[{**joint, "mimic": None} for joint in held.held_joints()],
         frames=held.told_frames(held.numbers, question.postures),
-        shapes=told_shapes(_shapes(held, question, refusals)),
+        shapes=measures.told_shapes(_shapes(held, question, refusals)),
         refusals=refusals,
     )
 
 
-def _shapes(held: Held, question: Question, refusals: list[str]) -> Iterator[tuple[str, str, Lengths]]:
+def _shapes(held: Held, question: Question, refusals: list[str]) -> Iterator[tuple[str, str, measures.Lengths]]:
     """The lengths of the shapes, which Pinocchio reads by a function of their own, and may refuse."""
     folders = sorted({str(folder.parent) for folder in question.packages.values()} | {str(question.path.parent)})
     kinds = held.pinocchio.GeometryType
-    for kind, word in ((kinds.VISUAL, VISUAL), (kinds.COLLISION, COLLISION)):
+    for kind, word in ((kinds.VISUAL, measures.VISUAL), (kinds.COLLISION, measures.COLLISION)):
         try:
             shapes = held.pinocchio.buildGeomFromUrdf(held.model, str(question.path), kind, package_dirs=folders)
         except (ValueError, RuntimeError) as error:
-            refusals.append(f"{word} shapes: {refused(error, question)}")
+            refusals.append(f"{word} shapes: {measures.refused(error, question)}")
             continue
         for shape in shapes.geometryObjects:
             shape.geometry.computeLocalAABB()
             box = shape.geometry.aabb_local
-            yield held.model.frames[shape.parentFrame].name, word, lengths(box.width(), box.height(), box.depth())
+            size = measures.lengths(box.width(), box.height(), box.depth())
+            yield held.model.frames[shape.parentFrame].name, word, size
 
 
 # What Pinocchio's parser, urdfdom, prints: a level, a text, and in the next line where in urdfdom's source it stands.

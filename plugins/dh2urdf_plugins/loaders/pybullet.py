@@ -28,27 +28,7 @@ from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.source import Messages
 from dh2urdf.stages import HeldRobot
-from dh2urdf_plugins.loaders.measures import (
-    HOLD_SECONDS,
-    OVERLAP,
-    SINGLE_PRECISION,
-    TIME_STEP,
-    Comparison,
-    farthest,
-    hold_start,
-    touching_pairs,
-)
-from dh2urdf_plugins.loaders.model import (
-    COLLISION,
-    VISUAL,
-    Lengths,
-    Model,
-    lengths,
-    lengths_of,
-    refused,
-    told_bodies,
-    told_shapes,
-)
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -78,11 +58,11 @@ _PRINCIPAL_AXES = 2e-6
 """Largest error of an inertia, as a share of the trace: PyBullet turns the tensor to its principal axes by Jacobi
 rotations, which end when the products are below 1e-6 of the trace."""
 _PRECISION = Precision(
-    number=SINGLE_PRECISION,
-    axis=_ROUNDINGS * SINGLE_PRECISION,
+    number=measures.SINGLE_PRECISION,
+    axis=_ROUNDINGS * measures.SINGLE_PRECISION,
     inertia=_PRINCIPAL_AXES,
-    position=_ROUNDINGS * SINGLE_PRECISION,
-    angle=_ROUNDINGS * SINGLE_PRECISION * math.pi,
+    position=_ROUNDINGS * measures.SINGLE_PRECISION,
+    angle=_ROUNDINGS * measures.SINGLE_PRECISION * math.pi,
     name="single precision",
 )
 _SHADOWS_UP_TO = 5.0  # [m] from the camera: beyond, the renderer's fixed bias lets every surface shade itself
@@ -90,7 +70,7 @@ _ROOT = -1  # PyBullet's index of the root link
 _NO_FILE = b"unknown_file"
 
 
-class Held(Model):
+class Held(measures.Model):
     """A body as PyBullet holds it; `base` is where the root is in the world."""
 
     def __init__(self, body: int, root: str) -> None:
@@ -151,7 +131,7 @@ class Held(Model):
         centre = RigidTransform(rotation_from_quaternion(orientation), position)
         return centre @ RigidTransform(rotation_from_quaternion(axes), com).inverse
 
-    def held_shapes(self) -> Iterator[tuple[str, str, Lengths | None]]:
+    def held_shapes(self) -> Iterator[tuple[str, str, measures.Lengths | None]]:
         """The lengths of the shapes of each link; of meshes, of those that touch.
 
         A cylinder of a URDF becomes a hull with a margin around it, which has no file: its size is not told.
@@ -162,27 +142,28 @@ class Held(Model):
             for number, solid in enumerate(bullet.getCollisionShapeData(self.body, index)):
                 is_mesh = solid[2] == bullet.GEOM_MESH and solid[4] not in {b"", _NO_FILE}
                 size = self._mesh(index, number, solid[6]) if is_mesh else self._size(solid[2], solid[3])
-                yield name, COLLISION, size
+                yield name, measures.COLLISION, size
             for _, at, kind, size, *_ in visuals:
                 if at == index:
-                    yield name, VISUAL, self._size(kind, size)
+                    yield name, measures.VISUAL, self._size(kind, size)
 
-    def _mesh(self, index: int, at: int, orientation: Sequence[float]) -> Lengths:
+    def _mesh(self, index: int, at: int, orientation: Sequence[float]) -> measures.Lengths:
         """The lengths of a mesh along the axes of its file: Bullet has it along the principal axes of the link."""
         import numpy as np
 
         vertices = np.array(self.bullet.getMeshData(self.body, index, collisionShapeIndex=at)[1]).reshape(-1, 3)
-        return lengths_of(vertices @ np.array(self.bullet.getMatrixFromQuaternion(orientation)).reshape(3, 3))
+        return measures.lengths_of(vertices @ np.array(self.bullet.getMatrixFromQuaternion(orientation)).reshape(3, 3))
 
-    def _size(self, kind: int, size: Sequence[float]) -> Lengths | None:
+    def _size(self, kind: int, size: Sequence[float]) -> measures.Lengths | None:
         bullet = self.bullet
         if kind == bullet.GEOM_BOX:
-            return lengths(*size)
+            return measures.lengths(*size)
         if kind == bullet.GEOM_SPHERE:
-            return lengths(*(3 * (2 * size[0],)))
+            return measures.lengths(*(3 * (2 * size[0],)))
         if kind in {bullet.GEOM_CYLINDER, bullet.GEOM_CAPSULE}:
             length, radius = size[:2]
-            return lengths(2 * radius, 2 * radius, length + (2 * radius if kind == bullet.GEOM_CAPSULE else 0.0))
+            caps = 2 * radius if kind == bullet.GEOM_CAPSULE else 0.0
+            return measures.lengths(2 * radius, 2 * radius, length + caps)
         return None
 
 
@@ -214,7 +195,7 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
 
 def _report(bullet: Any, request: LoadRequest) -> LoadReport:  # noqa: ANN401 - a module without type information
     """Measure everything."""
-    robot, comparison = request.robot, Comparison("PyBullet", request, _PRECISION)
+    robot, comparison = request.robot, measures.Comparison("PyBullet", request, _PRECISION)
     bullet.setPhysicsEngineParameter(
         enableFileCaching=0,  # Or a rewritten file would give the old arm again.
         constraintSolverType=bullet.CONSTRAINT_SOLVER_LCP_DANTZIG,
@@ -260,13 +241,13 @@ def _gives_poses(held: Held) -> bool:
         return False
 
 
-def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
     """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
     bullet, robot = held.bullet, comparison.robot
-    start = hold_start(robot)
+    start = measures.hold_start(robot)
     held.put(comparison.values(start))
-    contacts = [pair for pair in touching_pairs(robot) if _touch(held, robot, *pair)]
-    bullet.setTimeStep(TIME_STEP)
+    contacts = [pair for pair in measures.touching_pairs(robot) if _touch(held, robot, *pair)]
+    bullet.setTimeStep(measures.TIME_STEP)
     bullet.setGravity(0, 0, -GRAVITY)
     indices = [held.joints[joint.name] for joint in robot.moving_joints]
     for index, joint, value in zip(indices, robot.moving_joints, start, strict=True):
@@ -274,11 +255,11 @@ def _hold(held: Held, comparison: Comparison) -> tuple[dict[str, Any], tuple[Pro
         bullet.setJointMotorControl2(held.body, index, bullet.POSITION_CONTROL, targetPosition=value, force=effort)
 
     def vectors() -> Iterator[list[float]]:
-        for _ in range(round(HOLD_SECONDS / TIME_STEP)):
+        for _ in range(round(measures.HOLD_SECONDS / measures.TIME_STEP)):
             bullet.stepSimulation()
             yield [state[0] for state in bullet.getJointStates(held.body, indices)]
 
-    return comparison.hold(start, farthest(start, vectors()), contacts)
+    return comparison.hold(start, measures.farthest(start, vectors()), contacts)
 
 
 def _touch(held: Held, robot: Robot, first: str, second: str) -> bool:
@@ -286,7 +267,7 @@ def _touch(held: Held, robot: Robot, first: str, second: str) -> bool:
     links = held.links[first], held.links[second]
     points = held.bullet.getClosestPoints(held.body, held.body, SEARCHED, *links)
     margins = sum(_margin(link) for link in robot.links if link.name in {first, second})
-    return any(-point[8] - margins > OVERLAP for point in points)
+    return any(-point[8] - margins > measures.OVERLAP for point in points)
 
 
 def _margin(link: Link) -> float:
@@ -294,7 +275,7 @@ def _margin(link: Link) -> float:
     return max(0.0 if isinstance(shape.geometry, Box | Sphere) else MARGIN for shape in link.collisions)
 
 
-def _write_picture(held: Held, comparison: Comparison, path: Path) -> None:
+def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> None:
     """Render the arm by PyBullet's software renderer, which needs no display and no graphics card."""
     from PIL import Image
 
@@ -358,18 +339,18 @@ def inspect(question: Question) -> HeldRobot:
         else:
             bodies = (bullet.loadURDF(path, useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE),)
     except bullet.error as error:
-        raise refused("", question) from error
+        raise measures.refused("", question) from error
     found = HeldRobot()
     for body in bodies:
         root = _text(bullet.getBodyInfo(body)[0])
         held = Held(body, root)
         held.base = held.held_base()
-        found.links.update(told_bodies(held.held_bodies()))
+        found.links.update(measures.told_bodies(held.held_bodies()))
         if question.format == "urdf":  # The world holds the root, which PyBullet makes weightless.
             found.links[root] = None
         found.joints.extend({**held.held_joint(info), "mimic": None} for info in held.moving)
         if question.format != "mjcf":  # PyBullet 3.2.7 crashes when it is asked for the shapes of some of them.
-            found.shapes.update(told_shapes(held.held_shapes()))
+            found.shapes.update(measures.told_shapes(held.held_shapes()))
         with suppress(bullet.error):  # Its messages hold 128 numbers per robot.
             found.frames.update(held.told_frames(held.links, question.postures))
     return found

@@ -11,7 +11,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.output import write_whole
 from dh2urdf.robot import Box, Cylinder, Link, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform, Vec3
-from dh2urdf_plugins.loaders.measures import clipped, vector
+from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -107,7 +107,7 @@ def best_view(robot: Robot, frames_at: Callable[[JointVector], Frames]) -> View:
     distance = max(distance * _BORDER, 1e-3)
     eye, target = camera.T @ (middle + np.array((0.0, 0.0, distance))), camera.T @ middle
     low, high = points.min(axis=0), points.max(axis=0)
-    return View(q, vector(eye), vector(target), distance, vector(low), vector(high))
+    return View(q, measures.vector(eye), measures.vector(target), distance, measures.vector(low), measures.vector(high))
 
 
 def _poses(robot: Robot) -> list[JointVector]:
@@ -121,7 +121,7 @@ def _poses(robot: Robot) -> list[JointVector]:
         lower, upper = joint.limits.lower, joint.limits.upper
         if joint.type is JointType.PRISMATIC and lower is not None and upper is not None:
             return (lower + upper) / 2
-        return clipped(joint, bend)
+        return measures.clipped(joint, bend)
 
     return [
         tuple(bent(joint, bend * sides[number % len(sides)]) for number, joint in enumerate(joints))

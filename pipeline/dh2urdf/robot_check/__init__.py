@@ -31,7 +31,7 @@ say = Messages(__file__)
 LONGEST_NAME = 1000
 """Characters of a name: PyBullet crashes on longer ones, or cuts them."""
 
-FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
+_FUNCTIONS = frozenset({"abs", "max", "min", "sin", "cos", "atan2"})
 """The functions that formulas may use."""
 _IDENTIFIER = r"(?<![\w.])[^\W\d]\w*"
 UNIT = 1e-9
@@ -312,11 +312,11 @@ def _formula_problems(robot: Robot) -> Iterator[Problem]:
             code = "parameter-twice" if parameter.name in declared else "parameter-infinite"
             yield say(code, joint=parameter.joint, field=parameter.name, value=parameter.value)
         declared.add(parameter.name)
-    known = declared | FUNCTIONS
+    known = declared | _FUNCTIONS
     for formula in _formulas(robot):
         for name in _names_in(formula):
             if name not in known:
-                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(FUNCTIONS))
+                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(_FUNCTIONS))
 
 
 def _formulas(robot: Robot) -> Iterator[str]:

@@ -476,8 +476,8 @@ class Arm(measures.Model):
         tip, distance = max(apart.items(), key=lambda item: item[1])
         if distance <= measures.HOLD_STAYS:
             return record, findings
-        about = {"engine": engine, "seconds": measures.HOLD_SECONDS, "tip": tip, "distance": distance}
-        finding = self.comparison.placed(say("coppeliasim-joints-apart", **about))
+        code, seconds = "coppeliasim-joints-apart", measures.HOLD_SECONDS
+        finding = self.comparison.placed(say(code, engine=engine, seconds=seconds, tip=tip, distance=distance))
         return {**record, "stayed": False}, (*findings, finding)
 
     def _vectors(self, engine: str, apart: dict[str, float]) -> Iterator[list[float]]:

@@ -144,37 +144,10 @@ class TestACluster:
         with pytest.raises(ConfigError, match=r"run\.yaml:3:7: error: wrong"):
             list(map_on_dask(functions.fail, ["config"], cluster.options))
 
-    def test_an_error_of_the_tasks_themselves_comes_in_its_place(self, functions: ModuleType, cluster: Cluster) -> None:
-        """A reader that fails ends the run with its own error, after the results of all that it read."""
-
-        def tasks() -> Iterator[int]:
-            yield from range(5)
-            raise LookupError("no more rows")
-
-        results = map_on_dask(functions.double, tasks(), cluster.options)
-        assert list(islice(results, 5)) == [0, 2, 4, 6, 8]
-        with pytest.raises(LookupError, match="no more rows"):
-            next(results)
-
     def test_a_worker_does_one_task_at_a_time(self, functions: ModuleType, cluster: Cluster, tmp_path: Path) -> None:
         """The threads of a worker take turns: stages need not bear others beside them."""
         alone = list(map_on_dask(partial(functions.is_alone_in, tmp_path), range(40), cluster.options))
         assert alone == [True] * 40
-
-    @pytest.mark.long
-    def test_a_worker_that_is_killed_costs_nothing(
-        self, functions: ModuleType, cluster: Cluster, tmp_path: Path
-    ) -> None:
-        """A machine fails in the middle: every task has its one result, in order, from those that are left."""
-        results = []
-        for result in map_on_dask(partial(functions.double_slowly_in, tmp_path), range(40), cluster.options):
-            results.append(result)
-            if len(results) == 10:
-                kill(cluster.processes[-1])
-        assert results == [2 * number for number in range(40)]
-        done = [len((tmp_path / f"{number}").read_text().splitlines()) for number in range(40)]
-        assert len(list(tmp_path.iterdir())) == 40
-        assert 40 <= sum(done) <= 40 + 2 * 2 * dask.AHEAD_OF_THREADS
 
     @pytest.mark.long
     def test_a_run_of_1500_survives_a_worker(

@@ -64,13 +64,6 @@ class TestResults:
         assert tasks.taken < 500
         results.close()  # type: ignore[attr-defined]
 
-    def test_an_error_comes_in_its_place(self, options: LocalOptions) -> None:
-        """What a task raises is raised after the results before it."""
-        results = map_locally(one_by, [1, 1, 0, 1], options)
-        assert [next(results), next(results)] == [1, 1]
-        with pytest.raises(ZeroDivisionError):
-            next(results)
-
     def test_an_error_of_the_tasks_themselves_comes_in_its_place(self, options: LocalOptions) -> None:
         """A reader that fails ends the run with its own error, after the results of all that it read."""
 
@@ -85,24 +78,9 @@ class TestResults:
 
 
 class TestProcesses:
-    def test_several_workers_are_processes_of_their_own(self) -> None:
-        """With several workers nothing is done in the process that asks."""
-        workers = set(map_locally(call, [os.getpid] * 50, TWO))
-        assert os.getpid() not in workers
-        assert 1 <= len(workers) <= 2
-
-    def test_one_worker_is_this_process(self) -> None:
-        """With one worker everything is done here: no process to start, and a debugger sees it."""
-        assert set(map_locally(call, [os.getpid] * 5, LocalOptions(workers=1))) == {os.getpid()}
-
     def test_one_task_needs_no_other_process(self) -> None:
         """One manipulator is made here, whatever number of workers is asked for."""
         assert list(map_locally(call, [os.getpid], LocalOptions(workers=8))) == [os.getpid()]
-
-    def test_none_is_left_when_all_is_done(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
-        """At the end of a run its workers are gone, and have been waited for."""
-        workers = set(map_locally(functions.pid, range(20), TWO))
-        assert not any(map(is_running, workers))
 
     def test_none_is_left_when_the_results_are_not_wanted_any_more(
         self, functions: ModuleType, is_running: Callable[[int], bool]
@@ -197,13 +175,6 @@ class TestDeaths:
         assert results == [2 * number for number in range(20)]
         assert isinstance(lost, Lost)
         assert re.search(reason, lost.reason), lost.reason
-
-    def test_many_lost_tasks_cost_no_other(self, functions: ModuleType) -> None:
-        """Each of them costs its own workers, wherever they stand."""
-        tasks = ["leave" if number % 3 == 0 else number for number in range(30)]
-        results = list(map_locally(functions.double_or_die, tasks, LocalOptions(workers=3)))
-        assert [isinstance(result, Lost) for result in results] == [number % 3 == 0 for number in range(30)]
-        assert [result for result in results if not isinstance(result, Lost)] == [2 * n for n in range(30) if n % 3]
 
     def test_a_worker_that_dies_once_costs_nothing(self, functions: ModuleType, tmp_path: Path) -> None:
         """Its task is given to another one: nobody hears of it."""

@@ -293,18 +293,6 @@ def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> No
             LOADER.open(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
 
 
-def test_it_works_in_a_child_process(peer: Any, request_for: Any) -> None:
-    """In the process of its own, in which loaders are called, it says the same and ends by itself."""
-    report = load_in_child(LOADER, request_for(), CoppeliaSimOptions(host="127.0.0.1", port=peer.port))
-    assert report.mass_error == 0.0
-    assert report.output == ""
-
-
-def test_run_asks_for_the_client_before_it_begins() -> None:
-    """Where the client is installed there is nothing to say before a run."""
-    LOADER.require(CoppeliaSimOptions())
-
-
 def test_options_are_checked() -> None:
     """There is a port that there can be."""
     with pytest.raises(ValueError, match="from 1 to 65535"):

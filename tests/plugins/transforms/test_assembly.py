@@ -95,26 +95,6 @@ def test_the_default_effort_of_a_level_arm_is_twice_its_static_load(table: Table
     assert pytest.approx(98.1) == 2 * GRAVITY * 5
 
 
-def test_a_prismatic_joint_bears_the_weight(table: Table, robot_of: RobotOf) -> None:
-    """Twice g times all masses further out."""
-    arm = robot_of(table({"type": "prismatic", "mass": 3.0}, {"a": 1.0, "mass": 7.0}))
-    assert arm.moving_joints[0].limits.effort == 200.0
-    assert pytest.approx(196.2) == 2 * GRAVITY * 10
-
-
-@pytest.mark.parametrize(("lower", "upper", "effort"), [(-1.0, 2.0, 400.0), (-3.0, 2.0, 590.0), (0.0, 0.5, 99.0)])
-def test_a_joint_bears_what_slides_away(
-    lower: float, upper: float, effort: float, table: Table, robot_of: RobotOf
-) -> None:
-    """10 kg that slide along the axis as far as the limits let them, on an arm that may be mounted in any way."""
-    point = {"com": (0.0, 0.0, 0.0), "inertia": Inertia(ixx=0.1, iyy=0.1, izz=0.1)}
-    slide = {"type": "prismatic", "mass": 10.0, "limits": Limits(lower=lower, upper=upper)}
-    arm = robot_of(table({"mass": 1.0, **point}, {**slide, **point}))
-    assert [joint.limits.effort for joint in arm.moving_joints] == [effort, 200.0]
-    farthest = max(abs(lower), abs(upper))
-    assert effort - 10.0 < 2 * GRAVITY * 10 * farthest <= effort
-
-
 lengths = st.floats(-1, 1)
 angles = st.floats(-3, 3)
 
@@ -259,23 +239,14 @@ def test_a_payload_is_a_body_at_tool0(frames: str, ur5: Manipulator, robot_of: R
         assert (heavier.limits.effort or 0) > (lighter.limits.effort or 0)
 
 
-@pytest.mark.parametrize(
-    ("row", "base", "weight"),
-    [({"mass": 2.0}, 3.0, 3.0), ({}, 0.0, 0.0), ({"mass": 2.0}, 0.0, 0.0)],
-)
-def test_a_mass_of_the_base_is_kept(
-    row: dict[str, Any], base: float, weight: float, table: Table, robot_of: RobotOf
-) -> None:
-    """Where the table gives it one, 0 included."""
-    robot = robot_of(table({"d": 0.3, **row}, {"a": 0.2, **row}, base_mass=base))
-    assert body(robot, "base_link_inertia").mass == weight
-
-
 @pytest.mark.parametrize("row", [{}, {"mass": 2.0}])
-def test_a_base_without_a_mass_has_that_of_its_shape(row: dict[str, Any], table: Table, robot_of: RobotOf) -> None:
-    """1.5 radii wide and one radius high, of aluminium; whether the links have masses does not matter."""
-    mass = body(robot_of(table({"d": 0.3, **row}, {"a": 0.4, **row})), "base_link_inertia").mass
-    assert mass == pytest.approx(2700.0 * math.pi * 0.06**2 * 0.04, rel=1e-12)
+def test_the_base_weighs_what_the_table_says_or_what_its_shape_does(
+    row: dict[str, Any], table: Table, robot_of: RobotOf
+) -> None:
+    """0 included; its shape is 1.5 radii wide and one radius high, of aluminium, whether the links have masses or not."""
+    for said, weight in ((3.0, 3.0), (0.0, 0.0), (None, 2700.0 * math.pi * 0.06**2 * 0.04)):
+        robot = robot_of(table({"d": 0.3, **row}, {"a": 0.4, **row}, base_mass=said))
+        assert body(robot, "base_link_inertia").mass == pytest.approx(weight, rel=1e-12)
 
 
 @pytest.mark.parametrize("frames", ["aligned", "dh"])

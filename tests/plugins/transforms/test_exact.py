@@ -278,13 +278,6 @@ def test_the_ur5_reads_like_one_that_a_person_wrote(ur5: Manipulator) -> None:
     assert robot.moving_joints[4].origin.xyz_formula == ("a_4", "-d_4", "0")
 
 
-@FRAMES
-def test_dh_frames_have_the_axis_z_and_the_sign_in_it(frames: str, table: Callable[..., Manipulator]) -> None:
-    """A joint that counts the other way has the opposite axis."""
-    robot = alpha_swap(table({"d": 0.1}, {"d": 0.1, "sign": -1}), AlphaSwapOptions(frames=frames))
-    assert [joint.axis for joint in robot.moving_joints] == [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
-
-
 @pytest.mark.parametrize("convention", Convention)
 def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> None:
     """Modified: link i's frame is DH frame i; standard: DH frame i-1 turned by q_i."""
@@ -352,12 +345,3 @@ def test_links_and_joints_have_the_names_of_the_interface(ur5: Manipulator) -> N
         ("link_6-tool0", "link_6", "tool0"),
     ]
     assert [joint.child for joint in robot.joints] == links[1:]
-
-
-def test_dh_formulas_keep_their_functions_where_the_angle_is_a_quarter_turn(table: Callable[..., Manipulator]) -> None:
-    """cos(π/2) would be 6e-17: there the formula has the phase taken out, and still follows the angle."""
-    robot = alpha_swap(table({"a": 0.5, "theta": math.pi / 2}, {"d": 0.1}), AlphaSwapOptions(frames="dh"))
-    origin = robot.moving_joints[1].origin
-    assert origin.xyz == (0.0, 0.5, 0.0)
-    phase = "theta_1 - 1.5707963267948966"
-    assert origin.xyz_formula == (f"-a_1*sin({phase})", f"a_1*cos({phase})", "d_1")

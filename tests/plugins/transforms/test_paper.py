@@ -41,20 +41,6 @@ def test_the_papers_ur5(ur5: Manipulator, robot_of: RobotOf) -> None:
     ]
 
 
-def test_its_links_stand_in_a_straight_line(ur5: Manipulator, robot_of: RobotOf) -> None:
-    """The flaw that the paper's conclusion names: until the last row every origin is on z; rpy is 0 throughout."""
-    robot = robot_of(ur5, variant="paper")
-    lengths = [0.0, 0.089159, 0.425, 0.39225, 0.10915, 0.09465]
-    assert [joint.origin.xyz for joint in robot.moving_joints] == [(0.0, 0.0, length) for length in lengths]
-    assert robot.joints[-1].origin.xyz == (0.0, 0.0823, 0.0)
-    assert {joint.origin.rpy for joint in robot.joints} == {(0.0, 0.0, 0.0)}
-    middles = [visual.origin.xyz for link in robot.links[2:-2] for visual in link.visuals]
-    assert middles == [
-        *((0.0, 0.0, 0.5 * length) for length in [*lengths[1:]]),
-        (0.0, 0.5 * 0.0823, 0.0),
-    ]
-
-
 def test_each_angle_of_the_set_does_what_the_text_says(table: Table, robot_of: RobotOf) -> None:
     """0 and π nothing; π/2 swaps axes and lengths of all that follows; -π/2 their origins too. Twice is not at all."""
     turns = [0.0, math.pi, HALF_PI, -HALF_PI, HALF_PI, -HALF_PI, 0.0]

@@ -50,11 +50,8 @@ def unit_in(text: str) -> str | None:
 
 
 def is_beside(index: int, named: Sequence[object]) -> bool:
-    """Whether a column is beside the table: neither it, nor those right of it, nor its left neighbour has a header.
-
-    Args:
-        index: its number, from 0.
-        named: for each column of the header whether it has one.
+    """Whether a column, counted from 0, is beside the table: neither it, nor its left neighbour, nor any right of it has
+    a header.
     """
     return index > 0 and not any(named[index - 1 :])
 
@@ -65,9 +62,9 @@ def join_headers(upper: CellRow, lower: CellRow) -> CellRow:
     A title over several columns, such as ``Limits [deg]`` over ``lower`` and ``upper``, gives them its unit; ``com``
     over ``x`` makes one header of both; a name over a unit gets it.
     """
-    tops, subs = _pairs(upper, lower)
-    marks = lower.marks if len(lower.marks or ()) == len(tops) else upper.marks
-    return CellRow([_joined(top, sub) for top, sub in zip(tops, subs, strict=True)], lower.mark, marks)
+    pairs = _pairs(headers_in(upper), headers_in(lower))
+    marks = lower.marks if len(lower.marks or ()) == len(pairs) else upper.marks
+    return CellRow([_joined(top, sub) for top, sub in pairs], lower.mark, marks)
 
 
 def completed(header: CellRow, row: CellRow) -> CellRow | None:
@@ -78,60 +75,50 @@ def completed(header: CellRow, row: CellRow) -> CellRow | None:
     """
     if len(row.cells) > len(header.cells) or not all(cell is None or isinstance(cell, str) for cell in row.cells):
         return None
-    filled = [(name, text) for name, text in zip(*_pairs(header, row), strict=True) if text]
+    names, texts = headers_in(header), headers_in(row)
+    filled = [(name, text) for name, text in _pairs(names, texts) if text]
     says = any(unit_in(text) or text not in _DASHES for _, text in filled)
     if not says or not all(_is_part(name, text) for name, text in filled):
         return None
-    names, texts = headers_in(header), headers_in(row)
+    below: list[str] = []
     for name, text, mark in zip(names, texts, row.marks or [row.mark] * len(texts), strict=False):
         said, unit = read_header(name).unit, unit_in(text)
         if said and unit and said.casefold() != unit.casefold():
             raise TableError(say("row-of-units", mark, found=unit, header=name))
-    named = [
-        "" if text.casefold() in _DASHES and not (name and unit_in(text)) else text
-        for name, text in zip(names, texts, strict=False)
-    ]
-    return join_headers(header, CellRow(named, header.mark, header.marks))
+        below.append(text if (name and unit) or text.casefold() not in _DASHES else "")
+    return join_headers(header, CellRow(below, header.mark, header.marks))
 
 
-def _pairs(upper: CellRow, lower: CellRow) -> tuple[list[str], list[str]]:
+def _pairs(tops: list[str], subs: list[str]) -> list[tuple[str, str]]:
     """Titles and what is below them; a title is also over the next columns where these are its parts.
 
     That is what a merged cell leaves in a CSV file.
     """
-    tops, subs = headers_in(upper), headers_in(lower)
-    width = max(len(tops), len(subs))
-    tops += [""] * (width - len(tops))
-    subs += [""] * (width - len(subs))
-    carried: list[str] = []
-    title = ""
-    for top, sub in zip(tops, subs, strict=True):
+    width, title, found = max(len(tops), len(subs)), "", list[tuple[str, str]]()
+    for top, sub in zip(tops + [""] * (width - len(tops)), subs + [""] * (width - len(subs)), strict=True):
         title = top or title
-        carried.append(title if not top and sub and _has_part(title, sub) else top)
-    return carried, subs
+        group = read_header(title).field if title and sub and not top else None
+        part = read_header(sub).field or read_header(f"{_stem(title)[0]} {sub}").field if group else None
+        found.append((title if group and part and part.name in group.parts else top, sub))
+    return found
 
 
-def _has_part(title: str, sub: str) -> bool:
-    """Whether a title is of several fields, and what is below it one of these."""
-    if not title or not (group := read_header(title).field):
-        return False
+def _stem(title: str) -> tuple[str, str | None]:
+    """A title without its unit, and the unit."""
     match = re.fullmatch(_UNIT, title)
-    part = read_header(sub).field or read_header(f"{match[1] if match else title} {sub}").field
-    return part is not None and part.name in group.parts
+    return (match[1], match[2]) if match else (title, None)
 
 
 def _joined(top: str, sub: str) -> str:
     """The header that a name and what is below it make; the lower one where the upper one adds nothing."""
     if not top or not sub:
         return sub or (top if read_header(top).field else "")
-    if unit := unit_in(sub):
-        return f"{top} [{unit}]"
-    match = re.fullmatch(_UNIT, top)
-    stem, unit = (match[1], match[2]) if match else (top, None)
-    header = read_header(sub)
-    if header.field is None and read_header(f"{stem} {sub}").field:
+    if own := unit_in(sub):
+        return f"{top} [{own}]"
+    stem, unit = _stem(top)
+    if read_header(sub).field is None and read_header(f"{stem} {sub}").field:
         sub = f"{stem} {sub}"
-        header = read_header(sub)
+    header = read_header(sub)
     measures = header.field and header.field.dimension and header.unit is None
     return f"{sub} [{unit}]" if measures and unit and is_unit(unit) else sub
 

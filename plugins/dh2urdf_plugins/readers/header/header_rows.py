@@ -50,9 +50,7 @@ def unit_in(text: str) -> str | None:
 
 
 def is_beside(index: int, named: Sequence[object]) -> bool:
-    """Whether a column, counted from 0, is beside the table: neither it, nor its left neighbour, nor any right of it has
-    a header.
-    """
+    """Whether a column, counted from 0, is beside the table: neither it nor those right and next left have a header."""
     return index > 0 and not any(named[index - 1 :])
 
 

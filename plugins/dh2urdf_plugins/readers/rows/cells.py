@@ -186,8 +186,7 @@ class CellReader:
 
     def finish(self) -> None:
         """Reports what is wrong with columns and numbers of all rows, and once which columns are left out."""
-        for problem in filter(None, [*self.refused.values(), self._in_two_ways()]):
-            self.reader.add(problem)
+        self.reader.add(*filter(None, [*self.refused.values(), self._in_two_ways()]))
         headers, of_types = self.columns.headers, self.reader.types_from
         found = [index for index in sorted(self.left_out - self.refused.keys()) if headers[index] != of_types]
         if found:

@@ -79,10 +79,10 @@ class RowReader:
         self._units_of: dict[str, str] = {}  # the unit of every number that names none
         self._unsaid: dict[str, bool] = {}  # fields whose unit nothing says; whether only a word could say it
 
-    def add(self, problem: Problem) -> None:
-        """Notes a problem."""
-        self.problems.append(problem)
-        self.errors += problem.severity == "error"
+    def add(self, *problems: Problem) -> None:
+        """Notes problems."""
+        self.problems += problems
+        self.errors += sum(problem.severity == "error" for problem in problems)
 
     def _note(self, code: str, name: str, **values: Any) -> None:  # noqa: ANN401 - what a message names
         """Notes what is wrong with a field of the row."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -18,7 +18,6 @@ Row: TypeAlias = "Sequence[Value]"
 """The cells of a row, one for each column."""
 
 
-@runtime_checkable
 class RowSource(Protocol):
     """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
 

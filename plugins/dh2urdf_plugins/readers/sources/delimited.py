@@ -28,7 +28,6 @@ from dh2urdf_plugins.readers.words.comment_lines import (
     is_open,
     is_quoted,
     joined,
-    marks_a_comment,
     without_marker,
 )
 
@@ -275,7 +274,7 @@ class CsvRows:
 
     def _unguarded(self, cells: list[str], line: int) -> list[str]:
         """Cells as they were before a spreadsheet kept them; those that it made of a comment become one."""
-        if cells and marks_a_comment(cells[0]) and not fills_row(cells, self.joints.geometry):
+        if cells and is_comment(cells[0]) and not fills_row(cells, self.joints.geometry):
             return [self._passed_over(joined(cells, decimal_comma=self.delimiter != ","), line)]
         return [cell[1:] if _GUARDED.match(cell) else cell for cell in cells]
 
@@ -334,7 +333,7 @@ class CsvRows:
             yield problem
             return
         more = next((text for text in texts[self.width :] if text.strip()), None)
-        if len(texts) >= self.needed and (more is None or marks_a_comment(more)):
+        if len(texts) >= self.needed and (more is None or is_comment(more)):
             return
         has_more = self.delimiter == "," and len(texts) > self.width
         advice = "is there a decimal comma in it, or a comma in a text without quotes?" if has_more else None

@@ -179,42 +179,33 @@ class Joints:
 
     def take(self, row: CellRow) -> list[CellRow]:
         """What a row adds to the joints: itself with notes that a joint follows after all, or nothing."""
-        if not any(text_in(cell).strip(SPACES) for cell in row.cells):
+        texts = [text_in(cell).strip(SPACES) for cell in row.cells]
+        if not any(texts):
             self.after_empty = self.after_gap = True
             return []
-        if is_note(row, self.geometry, self.width, after_empty=self.after_empty):
+        if self._are_note(texts) and not (is_header(row) or _names_fields(row)):
             self.held.append(row)
             return []
         joints, self.held, self.after_empty, self.after_gap = [*self.held, row], [], False, False
         return joints
 
+    def _are_note(self, texts: Sequence[str]) -> bool:
+        """Whether cells are a note, and no joint, whole or cut off: text that says nothing where the geometry stands.
+
+        A text with commas in it, which a reader takes for cells, is a note without a number.
+        """
+        filled = [text for text in texts if text]
+        filled = filled[len(filled) > 1 and re.fullmatch(_FOOTMARK, filled[0]) is not None :]
+        start = filled[0][:_LONGEST_NOTE]
+        is_prose = re.match(_PROSE, start) and (self.after_empty or re.match(_SURE_NOTE, start))
+        if not is_prose and not all(map(Symbols.is_definition, filled)):
+            return False
+        says = len(texts) >= self.width and any(texts[index] for index in self.geometry)
+        return len(filled) == 1 or not (says or any(map(is_number, filled[1:])))
+
     def finish(self) -> None:
         """Takes the rows that are held for notes."""
         self.below += (Comment.of(comment_text(row), row.mark) for row in self.held)
-
-
-def is_note(row: CellRow, geometry: Iterable[int], width: int, *, after_empty: bool) -> bool:
-    """Whether a row is a note, and not a joint, whole or cut off: text that says nothing where the geometry stands.
-
-    A text with commas in it, which a reader takes for cells, is a note without a number.
-
-    Args:
-        row: the row.
-        geometry: the columns of a, alpha and d.
-        width: how many columns the table has.
-        after_empty: whether an empty row is above it.
-    """
-    texts = [text_in(cell).strip(SPACES) for cell in row.cells]
-    filled = [text for text in texts if text]
-    filled = filled[len(filled) > 1 and re.fullmatch(_FOOTMARK, filled[0]) is not None :]
-    start = filled[0][:_LONGEST_NOTE]
-    is_prose = re.match(_PROSE, start) and (after_empty or re.match(_SURE_NOTE, start))
-    if not is_prose and not all(map(Symbols.is_definition, filled)):
-        return False
-    if len(filled) == 1:
-        return True
-    says = len(texts) >= width and any(texts[index] for index in geometry)
-    return not (says or any(map(is_number, filled[1:])) or is_header(row) or _names_fields(row))
 
 
 def _names_fields(row: CellRow) -> bool:
@@ -227,7 +218,5 @@ def other_header(row: CellRow, number: int) -> Problem | None:
     """What is wrong with a row that is the header of another table; None where it is none."""
     if any(is_number(text_in(cell).strip()) for cell in row.cells):
         return None  # it is known without a look at what its words mean
-    joint = f"joint_{number}"
-    if is_header(row):
-        return say("header-of-another-table", row.mark, joint=joint, number=number)
-    return say("header-of-the-same-joints", row.mark, joint=joint, number=number) if _names_fields(row) else None
+    code = "header-of-another-table" if is_header(row) else "header-of-the-same-joints" if _names_fields(row) else None
+    return say(code, row.mark, joint=f"joint_{number}", number=number) if code else None

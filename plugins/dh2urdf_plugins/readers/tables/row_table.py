@@ -37,7 +37,7 @@ from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault, name_problems
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.documents import Node
     from dh2urdf.table_text import Trace
@@ -215,13 +215,12 @@ class RowTable:
     def _torn(self, groups: list[Rows], *unfinished: Rows) -> list[Rows]:
         """Marks the manipulators whose rows do not all stand together, as far as a batch shows it in time."""
         groups = [rows for rows in groups if rows.keys]
-        if self.robot_column is not None:
-            count = Counter(rows.name for rows in (*groups, *unfinished))
-            names = [rows.name for rows in groups]
-            known = self.seen.known(names)
-            for rows in groups:
-                rows.torn = count[rows.name] > 1 or rows.name in known
-            self.seen.add(names)
+        count = Counter(rows.name for rows in (*groups, *unfinished))
+        names = [rows.name for rows in groups if self.robot_column is not None]
+        known = self.seen.known(names)
+        for rows in groups if names else ():
+            rows.torn = count[rows.name] > 1 or rows.name in known
+        self.seen.add(names)
         return groups
 
     # --- The fast way -------------------------------------------------------------------------------------------------
@@ -289,8 +288,7 @@ class RowTable:
     def _careful(self, rows: Rows) -> Manipulator | Rejected:
         """A manipulator, or everything that is wrong with it."""
         reader = RowReader(self.units, type_is_given=self.has_type and not self.one, traced=self.trace is not None)
-        for notice in self.notices:
-            reader.add(notice)
+        reader.add(*self.notices)
         self.notices = []  # messages about the file go with the first manipulator, once
         name, mark = self.name, self.source.mark(rows.keys[0]) if rows.keys and not self.one else self.whole
         if self.robot_column is not None and rows.keys:
@@ -319,8 +317,7 @@ class RowTable:
                 continue
             placed, wrong = self.source.row(key, row, number)
             problems = list(wrong)
-            for problem in problems:
-                reader.add(problem)
+            reader.add(*problems)
             cells = None if problems else cell_reader.read(row, placed.marks or [], number)
             if cells and self.one:  # what a record does not have is not empty
                 cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark != mark}
@@ -379,16 +376,7 @@ def _manipulator(
     *,
     trace: Trace | None = None,
 ) -> Manipulator | Rejected:
-    """The manipulator that statements and rows make, or everything that is wrong with it.
-
-    Args:
-        name: its name.
-        statements: what holds for all rows.
-        rows: the rows; None where there is an error in one.
-        reader: what read the rows, with the problems so far.
-        mark: the manipulator's place.
-        trace: takes what the cells say, where it is wanted.
-    """
+    """The manipulator that statements and rows make, or everything that is wrong with it."""
     if trace is not None:
         trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
     if fault := name_fault(name.text):
@@ -398,8 +386,7 @@ def _manipulator(
     if not rows:
         reader.add(say("no-joints", mark, field="joints"))
     arm = [row for row in rows if row]
-    for problem in _problems_of_all_rows(reader, statements):
-        reader.add(problem)
+    reader.add(*_problems_of_all_rows(reader, statements))
     if statements.calibration and arm and not reader.errors:
         arm = _calibrated(arm, statements, mark, reader)
     _look_at_sizes(arm, statements, reader)
@@ -433,17 +420,14 @@ def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, reader: R
     """The rows with the differences of a calibration."""
     if statements.calibration is None or statements.convention is None:
         return rows
-    said: Iterable[Problem]
     try:
         calibration = statements.calibration.read(statements.convention[0])
         calibrated = calibration.applied(rows)
     except TableError as error:
-        calibrated, said = rows, error.problems
-    else:
-        given, found = (statements.manipulator("calibrated", tuple(arm), mark) for arm in (rows, calibrated))
-        said = (*calibration.notices, calibration.notice(given, found))
-    for problem in said:
-        reader.add(problem)
+        reader.add(*error.problems)
+        return rows
+    given, found = (statements.manipulator("calibrated", tuple(arm), mark) for arm in (rows, calibrated))
+    reader.add(*calibration.notices, calibration.notice(given, found))
     return calibrated
 
 

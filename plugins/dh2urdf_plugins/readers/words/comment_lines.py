@@ -102,11 +102,6 @@ def is_comment(line: str, *, top: bool = False) -> bool:
     return top or not (start["quote"] or start["outer"].strip(_INVISIBLE))
 
 
-def marks_a_comment(cell: str) -> bool:
-    """Whether a cell without its quotes begins as a comment does."""
-    return is_comment(cell)
-
-
 def is_open(line: str) -> bool:
     """Whether a comment in quotes goes on in the next line."""
     start = _start_of(line)
@@ -122,23 +117,16 @@ def without_marker(line: str) -> str:
     return line[:before] + " " * (start.end() - before) + line[start.end() :]
 
 
-def as_typed(line: str, delimiter: str | None) -> list[str]:
-    """A comment line as a person would type it; several where a cell of a spreadsheet has several lines.
-
-    Args:
-        line: the comment line as it is in the file.
-        delimiter: what stands between the cells of the table; None where there is no header that shows it.
-    """
+def as_typed(line: str, delimiter: str) -> list[str]:
+    """A comment line of a table with a delimiter as a person would type it; several where a cell has several lines."""
     start = _start_of(line)
     if start is None:
         return [line]
-    delimiters = delimiter or ",;\t"
-    padded = line.rstrip(f'{SPACES}{delimiters}"')
-    is_padded = any(sign in line[len(padded) :] for sign in delimiters)
+    padded = line.rstrip(f'{SPACES}{delimiter}"')
     at = start.start("sign")
-    typed = without_marker(line)[:at] + line[at:].rstrip(SPACES + delimiters)
-    if start["quote"] or (delimiter and (is_padded or (delimiter != "," and _BRACKETS.intersection(typed)))):
-        cells = next(csv.reader([line.lstrip(SPACES + delimiters)], delimiter=delimiter or ","), [])
+    typed = without_marker(line)[:at] + line[at:].rstrip(SPACES + delimiter)
+    if start["quote"] or delimiter in line[len(padded) :] or (delimiter != "," and _BRACKETS.intersection(typed)):
+        cells = next(csv.reader([line.lstrip(SPACES + delimiter)], delimiter=delimiter), [])
         first = _start_of(cells[0]) if cells else None
         if first is not None:
             text = joined([cells[0][first.start("sign") :], *cells[1:]], decimal_comma=delimiter != ",")
@@ -149,16 +137,10 @@ def as_typed(line: str, delimiter: str | None) -> list[str]:
 def joined(cells: Sequence[str], *, decimal_comma: bool = False) -> str:
     """What was one text before a spreadsheet made cells of it: ``# convention:``, ``standard``."""
     parts = [cell for cell in cells if cell.strip(SPACES)]
-    if decimal_comma and len(parts) > 1:
-        parts = [_with_point(part) for part in parts]
+    if decimal_comma and len(parts) > 1:  # a part of a list has a point in place of its decimal comma
+        parts = [f"{match[1]}.{match[2]}" if (match := re.fullmatch(_DECIMAL_COMMA, part)) else part for part in parts]
     signs = [" " if part.rstrip(SPACES).endswith(_OPEN_KEY) else "," for part in parts]
     return "".join(map(str.__add__, parts, signs))[:-1].rstrip(SPACES)
-
-
-def _with_point(part: str) -> str:
-    """A part of a list with a decimal point in place of its decimal comma."""
-    match = re.fullmatch(_DECIMAL_COMMA, part)
-    return f"{match[1]}.{match[2]}" if match else part
 
 
 def fills_row(cells: Sequence[str], required: Iterable[int]) -> bool:

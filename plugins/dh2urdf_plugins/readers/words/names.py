@@ -45,8 +45,8 @@ class RowNames(NamedTuple):
 
     joint: str
     link: str
-    joint_mark: Mark | None = None
-    link_mark: Mark | None = None
+    joint_mark: Mark | None
+    link_mark: Mark | None
 
 
 def added_joints(last: str) -> tuple[str, ...]:
@@ -61,18 +61,16 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
     """
     taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
     taken |= dict.fromkeys(added_joints(rows[-1].link), "it is the name of a joint that the description adds")
-    names = {name for row in rows for name in (row.joint, row.link)}
-    problems = []
-    for joint, link, joint_mark, link_mark in rows:
-        for kind, name, mark in (("joint", joint, joint_mark), ("link", link, link_mark)):
-            if name not in taken:
-                taken[name] = (
-                    f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
-                )
-                continue
-            kinds = () if name.casefold().endswith(kind) else (f"{name}_{kind}",)
-            others = chain(kinds, (f"{name}_{number}" for number in count(2)))
-            free = next(other for other in others if other not in names and other not in taken)
-            about: dict[str, Any] = {"reason": taken[name], "reserved": RESERVED, "free": free}
-            problems.append(say("name-taken", mark, joint=joint, field=kind, found=name, **about))
+    names, problems = {name for row in rows for name in (row.joint, row.link)}, []
+    for row in rows:
+        for kind, name, mark in (("joint", row.joint, row.joint_mark), ("link", row.link, row.link_mark)):
+            if name in taken:
+                kinds = () if name.casefold().endswith(kind) else (f"{name}_{kind}",)
+                others = chain(kinds, (f"{name}_{number}" for number in count(2)))
+                free = next(other for other in others if other not in names and other not in taken)
+                about: dict[str, Any] = {"reason": taken[name], "reserved": RESERVED, "free": free}
+                problems.append(say("name-taken", mark, joint=row.joint, field=kind, found=name, **about))
+            else:
+                place = f"a {kind} of {replace(mark, column=None)} has it already" if mark else "it is taken already"
+                taken[name] = place
     return problems

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError, InputError, OutputError, TableError, TransformError
+from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError, InputError, OutputError, TableError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -159,18 +159,6 @@ class TestConvert:
         for given in ({"robot": "ur5"}, {"reader": "csv"}, {"convention": "standard"}):
             with pytest.raises(ConfigError):  # It is a manipulator already.
                 dh2urdf.convert(dh2urdf.read("ur5.csv"), **given)  # type: ignore[arg-type]
-
-    def test_a_refused_table_is_an_error_of_the_table(self) -> None:
-        """What the transform refuses of the only table there is, is raised as of the table, like the command's exit 2."""
-        arm = dh2urdf.Manipulator(
-            name="arm",
-            convention=dh2urdf.Convention.STANDARD,
-            rows=(dh2urdf.DHRow(joint="a", link="base_link", a=1.0, alpha=0.0, d=0.0),),
-        )
-        with pytest.raises(TableError) as error:
-            dh2urdf.convert(arm)
-        assert not isinstance(error.value, TransformError)
-        assert error.value.exit_status == 2
 
 
 class TestRun:

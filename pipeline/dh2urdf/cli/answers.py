@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import contextmanager, nullcontext, redirect_stdout, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
 from typing import IO, TYPE_CHECKING, Any
 
 import click
@@ -15,7 +15,6 @@ from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from contextlib import AbstractContextManager
 
 say = Messages(__file__)
 
@@ -59,19 +58,18 @@ def keep_apart(context: click.Context) -> None:
         context.call_on_close(lambda: context.meta.pop(_OWN))
 
 
-def kept_apart() -> AbstractContextManager[IO[str] | None]:
-    """The standard output of this process, which is nobody else's as long; None where a shell has closed a stream."""
-    return nullcontext() if None in (sys.stdout, sys.stderr) else _kept_apart()
-
-
 @contextmanager
-def _kept_apart() -> Iterator[IO[str]]:
+def kept_apart() -> Iterator[IO[str] | None]:
+    """The standard output of this process, which is nobody else's as long; None where a shell has closed a stream."""
+    if None in (sys.stdout, sys.stderr):
+        yield None
+        return
     sys.stdout.flush()
     # What a terminal's encoding lacks is escaped as JSON does it.
     own = os.fdopen(os.dup(_STDOUT), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
     try:
         os.dup2(_STDERR, _STDOUT)
-        lines = NamedLines(_remark, sys.stderr)
+        lines = NamedLines(lambda named, _: sys.stderr.write(f"{named}\n"), sys.stderr)
         with redirect_stdout(lines.as_text()):
             yield own
             lines.finish()
@@ -79,7 +77,3 @@ def _kept_apart() -> Iterator[IO[str]]:
         os.dup2(own.fileno(), _STDOUT)
         with suppress(OSError):  # Each answer is flushed, and what cannot be written was reported there.
             own.close()
-
-
-def _remark(named: str, _line: str) -> None:
-    sys.stderr.write(f"{named}\n")

@@ -10,15 +10,15 @@ from __future__ import annotations
 import os
 import re
 import sys
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
 from dh2urdf.plugin_system.attribution import Attribution
-from dh2urdf.source import Mark, Messages, Problem, did_you_mean
+from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,8 +81,7 @@ class Plugin:
         return same_name(self.distribution_name, distribution)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Installed:
+class Installed(NamedTuple):
     """The plugins that can be used, those for other versions of the interface, and those that the user leaves out."""
 
     plugins: tuple[Plugin, ...]
@@ -104,16 +103,23 @@ def installed(without: Sequence[str] = ()) -> Installed:
         (major, Plugin(name=f"{point.name} = {point.value}", distribution=point.dist, point=point))
         for major, point in _entry_points(_search_path())
     ]
-    names = {plugin: (plugin.entry, plugin.name, plugin.distribution_name) for _, plugin in found} if without else {}
-
-    def named(name: str) -> list[Plugin]:
-        return [plugin for plugin, own in names.items() if name in own or same_name(own[-1], name)]
-
-    if unknown := [name for name in without if not named(name)]:
-        raise ConfigError([_nobodys(name, [*names.values()]) for name in unknown])
-    left_out = dict.fromkeys(plugin for name in without for plugin in named(name))
-    fitting = [plugin for major, plugin in found if major == own and plugin not in left_out]
+    left_out: dict[Plugin, None] = {}
+    unknown = []
+    for name in without:
+        named = [each for _, each in found if name in (each.entry, each.name) or each.is_of(name)]
+        left_out |= dict.fromkeys(named)
+        unknown += [] if named else [name]
+    if unknown:
+        names = [(plugin.distribution_name, plugin.entry) for _, plugin in found]
+        place, known = Mark(file="command line"), [*chain(*names)]
+        there = sorted({f"{distribution} (plugin {entry})" for distribution, entry in names})
+        near = {name: did_you_mean(name, known) for name in unknown}
+        raise ConfigError(
+            say("plugin-unknown", place, field="--without", found=name, names=there, suggestion=near[name])
+            for name in unknown
+        )
     everybody = [plugin for major, plugin in found if major == own]
+    fitting = [plugin for plugin in everybody if plugin not in left_out]
     foreign = [
         IncompatiblePluginError(
             plugin.name,
@@ -128,17 +134,6 @@ def installed(without: Sequence[str] = ()) -> Installed:
         and not any(each.is_of(plugin.distribution_name) for each in everybody)
     ]
     return Installed(plugins=tuple(fitting), incompatible=tuple(foreign), left_out=tuple(left_out))
-
-
-def _nobodys(name: str, known: Sequence[tuple[str, str, str]]) -> Problem:
-    return say(
-        "plugin-unknown",
-        Mark(file="command line"),
-        field="--without",
-        found=name,
-        names=sorted({f"{distribution} (plugin {entry})" for entry, _, distribution in known}),
-        suggestion=did_you_mean(name, [word for entry, _, distribution in known for word in (distribution, entry)]),
-    )
 
 
 def _search_path() -> tuple[tuple[str, int], ...]:

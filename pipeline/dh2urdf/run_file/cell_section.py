@@ -24,22 +24,15 @@ ACCEPTED_PARENT = "world, or a link of another arm of the cell, such as left/too
 
 def read_cells(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[CellCall, ...]:
     """The cells, each in its node at its place."""
-    found = []
-    for node, field in entries:
-        given = to.record(CellSection, node, field)
-        cell = _cell(given, node, field, to) if given else None
-        if cell:
-            found.append((cell, cell.name, node, field))
-    return to.distinct(found, "cells")
+    return to.distinct(to.entries(entries, CellSection, _cell), lambda cell: cell.name, "cells")
 
 
 def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall | None:
-    before = len(to.problems)
     arms = []
     for index, (arm, entry) in enumerate(zip(given.arms, node.entries("arms"), strict=True)):
         with to.noting(entry, f"{field}.arms.{index}"):
             arms.append(_arm(arm, entry))
-    if len(to.problems) > before:
+    if len(arms) < len(given.arms):
         return None
     with to.noting(node, field):
         if problems := [*_wrong_arms(arms)]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents.document import Node
     from dh2urdf.run_file.reading import Reading
-    from dh2urdf.run_file.sections import ShapesSection
+    from dh2urdf.run_file.sections import MeshesSection, ShapesSection
 
 say = Messages(__file__)
 
@@ -121,21 +121,17 @@ def read_meshes(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[MeshC
     """The meshes of manipulators, each in its node at its place."""
     from dh2urdf.run_file.sections import MeshesSection  # with pydantic, which a worker that has a plan needs not
 
-    found = []
-    for node, place in entries:
-        before = len(to.problems)
-        if (given := to.record(MeshesSection, node, place)) is None:
-            continue
-        base = _shapes(given.base, node.entry("base"), f"{place}.base", to)
-        joints, by_joint = [], node.entry("joints")
-        for joint, shapes in (given.joints or {}).items():
-            entry = by_joint.entry(joint) if by_joint else None
-            read = _shapes(shapes, entry, f"{place}.joints.{joint}", to)
-            joints.append((joint, replace(read, mark=by_joint.key_mark(joint) if by_joint else None)))
-        if len(to.problems) == before:
-            mark = (node.entry("of") or node).mark
-            found.append(MeshCall(of=given.of, base=base, joints=tuple(joints), mark=mark))
-    return tuple(found)
+    return tuple([call for call, _, _ in to.entries(entries, MeshesSection, _meshes)])
+
+
+def _meshes(given: MeshesSection, node: Node, place: str, to: Reading) -> MeshCall:
+    base = _shapes(given.base, node.entry("base"), f"{place}.base", to)
+    joints, by_joint = [], node.entry("joints")
+    for joint, shapes in (given.joints or {}).items():
+        entry = by_joint.entry(joint) if by_joint else None
+        read = _shapes(shapes, entry, f"{place}.joints.{joint}", to)
+        joints.append((joint, replace(read, mark=by_joint.key_mark(joint) if by_joint else None)))
+    return MeshCall(of=given.of, base=base, joints=tuple(joints), mark=(node.entry("of") or node).mark)
 
 
 def _shapes(given: ShapesSection | None, node: Node | None, place: str, to: Reading) -> Shapes:

@@ -18,12 +18,13 @@ from dh2urdf.plugin_system.validator import record_of
 from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.source import Mark
 
 say = Messages(__file__)
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 
@@ -72,15 +73,25 @@ class Reading:
         """Note a problem at a node."""
         self.problems.append(say(code, node.mark, field=field, found=node.text, **values))
 
-    def distinct(self, entries: Iterable[tuple[T, str, Node, str]], what: str) -> tuple[T, ...]:
-        """The first entry of each name; each comes with its name, its node and its place."""
+    def entries(
+        self, given: Iterable[tuple[Node, str]], kind: type[S], make: Callable[[S, Node, str, Reading], T | None]
+    ) -> Iterator[tuple[T, Node, str]]:
+        """What is made of the right entries of a section, each in its node at its place."""
+        for node, field in given:
+            before, record = len(self.problems), self.record(kind, node, field)
+            made = make(record, node, field, self) if record is not None else None
+            if made is not None and len(self.problems) == before:
+                yield made, node, field
+
+    def distinct(self, entries: Iterable[tuple[T, Node, str]], name_of: Callable[[T], str], what: str) -> tuple[T, ...]:
+        """The first entry of each name; each comes with its node and its place."""
         taken: list[T] = []
         first: dict[str, Node] = {}
-        for entry, name, node, field in entries:
-            if (other := first.setdefault(name, node)) is node:
+        for entry, node, field in entries:
+            if (other := first.setdefault(name_of(entry), node)) is node:
                 taken.append(entry)
             else:
-                self.note("name-twice", node, field, what=what, name=name, first=other.mark)
+                self.note("name-twice", node, field, what=what, name=name_of(entry), first=other.mark)
         return tuple(taken)
 
     # --- Paths

@@ -167,25 +167,18 @@ def _is_of(node: Node, dimension: Dimension) -> bool:
 
 def read_variations(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[VariationCall, ...]:
     """The variations, each in its node at its place."""
-    found = []
-    for node, field in entries:
-        given = to.record(VariationSection, node, field)
-        call = _variation(given, node, field, to) if given else None
-        if call:
-            found.append((call, safe_stem(call.name).casefold(), node, field))
-    return to.distinct(found, "variations")
+    return to.distinct(
+        to.entries(entries, VariationSection, _variation), lambda call: safe_stem(call.name).casefold(), "variations"
+    )
 
 
 def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> VariationCall | None:
-    before = len(to.problems)
     rules = []
     for index, entry in enumerate(node.entries("vary")):
         with to.noting(entry, f"{field}.vary.{index}"):
             rules.append(_rule(given.vary[index].field, entry))
-    if len(to.problems) == before and given.count is None and not any(isinstance(rule.law, Grid) for rule in rules):
+    if len(rules) == len(given.vary) and given.count is None and not any(isinstance(each.law, Grid) for each in rules):
         to.note("variants-uncounted", node, f"{field}.count")
-    if len(to.problems) > before:
-        return None
     count = node.entry("count")
     return VariationCall(
         name=given.name or given.of,

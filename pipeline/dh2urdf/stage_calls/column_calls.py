@@ -30,7 +30,7 @@ def transform_columns(
 ) -> list[tuple[tuple[int, ...], RobotColumns]]:
     """The robots of many manipulators, in groups with the places of their members."""
     with blaming(call):
-        groups = call.stage.can(TransformsInColumns).transform_columns(columns, call.options)  # type: ignore[union-attr] # asked before
+        groups = _able(call, TransformsInColumns).transform_columns(columns, call.options)
         return _groups(groups or (), len(columns), RobotColumns)
 
 
@@ -39,7 +39,7 @@ def emit_columns(
 ) -> list[tuple[EmittedFile, ...]] | None:
     """The files of many robots, none of those that have to be made one by one; None where that are all of them."""
     with blaming(call):
-        emitted = call.stage.can(EmitsInColumns).emit_columns(robots, stems, call.options)  # type: ignore[union-attr] # asked before
+        emitted = _able(call, EmitsInColumns).emit_columns(robots, stems, call.options)
         if emitted is None:
             return None
         emitted = list(emitted)
@@ -51,8 +51,12 @@ def emit_columns(
 def read_columns(call: Call[Emitter[Any]], contents: Sequence[bytes]) -> list[tuple[tuple[int, ...], Robot]]:
     """The robots that many main files describe, in groups with the places of their members."""
     with blaming(call):
-        read = call.stage.can(EmitsInColumns).read_columns  # type: ignore[union-attr] # asked before
-        return _groups(read(contents), len(contents), Robot)  # type: ignore[misc] # asked before
+        return _groups(_able(call, EmitsInColumns).read_columns(contents), len(contents), Robot)
+
+
+def _able(call: Call[Any], capability: type[Any]) -> Any:  # noqa: ANN401 - a capability
+    """The capability of a stage that was asked for it before."""
+    return call.stage.can(capability)
 
 
 def _groups(given: Sequence[Any], count: int, kind: type[T]) -> list[tuple[tuple[int, ...], T]]:

@@ -140,12 +140,6 @@ class TestStandardInput:
         assert etree.fromstring(done.stdout).get("name") == "robot"
         assert list(tmp_path.iterdir()) == []
 
-    def test_check_takes_a_table_from_there(self, cli: Cli, type_in: Callable[[bytes], None], folder: Path) -> None:
-        """`check --against -`."""
-        cli("convert", "bare.csv", "-o", "bare.urdf")
-        type_in((folder / "bare.csv").read_bytes())
-        assert "the same arm as robot of standard input" in cli("check", "bare.urdf", "--against", "-").stdout
-
     @pytest.mark.usefixtures("folder")
     def test_check_takes_a_description_from_there(self, cli: Cli, type_in: Callable[[bytes], None]) -> None:
         """`check - --as urdf`; its lines are those of standard input."""
@@ -193,15 +187,6 @@ class TestSeveralTables:
         (folder / "other.csv").symlink_to("bare.urdf")
         cli("convert", "bare.csv", "other.csv", "-o", ".", status=2)
         assert (folder / "bare.urdf").read_text() == FULL
-
-
-@pytest.mark.usefixtures("folder")
-class TestProfile:
-    def test_it_is_the_option_of_the_emitter(self, cli: Cli) -> None:
-        """`--profile P` is `--set emitter.profile=P`; where it is the default it changes nothing."""
-        flag = cli("convert", "bare.csv", "--profile", "gazebo").stdout
-        assert flag == cli("convert", "bare.csv", "--set", "emitter.profile=gazebo").stdout
-        assert cli("convert", "bare.csv", "--profile", "portable").stdout == cli("convert", "bare.csv").stdout != flag
 
 
 class TestPipes:

@@ -117,10 +117,6 @@ class TestFiles:
 
 @pytest.mark.usefixtures("folder")
 class TestRobot:
-    def test_one_of_several(self, cli: Cli) -> None:
-        """--robot chooses; a bad one of the others does not matter."""
-        assert robot_name(cli("convert", "arms.csv", "--robot", "right").stdout) == "right"
-
     def test_a_name_that_is_a_path_names_no_file(self, cli: Cli, folder: Path) -> None:
         """The user's -o does."""
         cli("convert", "arms.csv", "--robot", "../up", "-o", "up.urdf")
@@ -139,27 +135,11 @@ class TestOptions:
         )
         assert standard != modified
 
-    def test_units(self, cli: Cli, folder: Path) -> None:
-        """--length-unit and --angle-unit say what a bare number means."""
-        (folder / "datasheet.csv").write_text(STANDARD.replace("pi/2,0.1", "90,100").replace("0.4", "400"))
-        (folder / "arm.csv").rename(folder / "si.csv")
-        converted = cli("convert", "datasheet.csv", "--length-unit", "mm", "--angle-unit", "deg").stdout
-        assert converted.replace("datasheet", "si") == cli("convert", "si.csv").stdout
-
     def test_base_and_tool(self, cli: Cli, folder: Path, tool0_of: Callable[..., Callable[..., object]]) -> None:
         """--base and --tool take the YAML of a table."""
         cli("convert", "arm.csv", "--base", "{xyz: [1, 0, 0.3]}", "--tool", "{xyz: [0, 0, 0.1]}", "-o", "arm.urdf")
         pose = tool0_of(folder / "arm.urdf")([0, 0])
         assert [float(x) for x in pose[:3, 3]] == pytest.approx([1.4, -0.1, 0.4])  # type: ignore[index]
-
-    def test_variant_and_frames(self, cli: Cli) -> None:
-        """They are the transform's."""
-        aligned, dh, paper = (
-            cli("convert", "arm.csv", *words).stdout for words in ([], ["--frames", "dh"], ["--variant", "paper"])
-        )
-        assert '<axis xyz="0 -1 0"/>' in aligned
-        assert '<axis xyz="0 -1 0"/>' not in dh
-        assert len({aligned, dh, paper}) == 3
 
     @pytest.mark.parametrize("setting", ["shape=box", "transform.shape=box", " shape = box"])
     def test_set(self, cli: Cli, setting: str) -> None:

@@ -126,21 +126,6 @@ class TestTheArm:
         bound = detail["largest_distance"]["bound"]
         assert 0.6 * bound < distance <= bound + 1e-12
 
-    def test_what_the_axes_say(self, cli: Cli, tmp_path: Path) -> None:
-        """Parallel axes, the wrist and the parameters of an OPW arm: an IRB 2400, as its data sheet has it."""
-        table = tmp_path / "irb2400.csv"
-        table.write_text(
-            "# convention: standard\njoint,a,alpha,d,theta\nj1,0.1,-pi/2,0.615,0\nj2,0.705,0,0,-pi/2\n"
-            "j3,0.135,-pi/2,0,0\nj4,0,pi/2,0.755,0\nj5,0,-pi/2,0,0\nj6,0,0,0.085,pi\n"
-        )
-        axes = report(cli("info", table, "--json").stdout)["detail"]["axes"]
-        assert axes["parallel"] == [["j2", "j3"]]
-        assert axes["spherical_wrist"] == ["j4", "j5", "j6"]
-        lengths = [axes["opw"][name] for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")]
-        assert lengths == pytest.approx([0.1, -0.135, 0, 0.615, 0.705, 0.755, 0.085], abs=1e-12)
-        text = cli("info", table).stdout
-        assert "parallel axes: j2, j3\nspherical wrist: j4, j5, j6\nOPW arm: a1 0.1, a2 -0.135, b 0," in text
-
     def test_the_mass_and_what_of_it_is_computed(self, cli: Cli) -> None:
         """The robot's mass; the links without one in the table, and the base."""
         mass = report(cli("info", "arm.csv", "--json").stdout)["detail"]["mass"]
@@ -178,16 +163,6 @@ class TestOtherTables:
         assert stated["payload"]["place"] == "arm.yaml:2:10"
         text = cli("info", "arm.yaml").stdout
         assert "\npayload: mass 2 kg, com 0 0 0.1 m, ixx 0.1 kg·m², iyy 0.1 kg·m², " in text
-
-    def test_an_option_of_the_reader(self, cli: Cli, tmp_path: Path) -> None:
-        """`--set` gives one that has no flag of its own."""
-        openpyxl = pytest.importorskip("openpyxl")
-        book = openpyxl.Workbook()
-        for sheet, a in ((book.active, 0.1), (book.create_sheet("Right"), 0.2)):
-            for row in (["# convention: standard"], ["a", "alpha", "d"], [a, 0, 0]):
-                sheet.append(row)
-        book.save(tmp_path / "arm.xlsx")
-        assert "0.2 m" in cli("info", "arm.xlsx", "--set", "sheet=Right").stdout
 
 
 @pytest.mark.usefixtures("folder")

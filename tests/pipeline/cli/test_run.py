@@ -71,14 +71,6 @@ class TestOutput:
         assert {path.name for path in (folder / "elsewhere").iterdir()} == {"arm.urdf", *reports}
         assert not (folder / "configs" / "build").exists()
 
-    def test_json(self, cli: Cli, folder: Path) -> None:
-        """--json prints report.json in place of the summary; what people read stays on standard error."""
-        answer = cli("run", "arms.yaml", "--json", status=1)
-        assert answer.stdout == (folder / "out" / "report.json").read_text("utf-8")
-        assert json.loads(answer.stdout)["exit_status"] == 1
-        assert "error: " in answer.stderr
-        assert "notice: " in answer.stderr
-
     def test_dry_run(self, cli: Cli, folder: Path) -> None:
         """--dry-run reads and checks everything, says what it would say, and writes nothing."""
         answer = cli("run", "arms.yaml", "--dry-run", status=1)

@@ -48,12 +48,6 @@ STAGES = """  - {stage: payload, options: {mass: 2.5, size: [0.1, 0.1, 0.2]}}
 """
 
 
-def test_edits_are_made_in_the_order_in_which_they_are_given() -> None:
-    one = dh2urdf.convert("arm.csv", edits=[{"rename": {"prefix": "a_"}}, {"rename": {"prefix": "b_"}}])
-    assert 'name="b_a_hip"' in one.text
-    assert 'name="a_hip"' in dh2urdf.convert("arm.csv", edits={"rename": {"prefix": "a_"}}).text
-
-
 def test_every_table_of_a_command_is_edited(cli: Callable[..., Answer]) -> None:
     Path("other.csv").write_text(TABLE)
     cli("convert", "arm.csv", "other.csv", "--edit", "rename: {prefix: left_}", "-o", "out/")

@@ -26,12 +26,6 @@ if TYPE_CHECKING:
 LONG = 60.0
 
 
-def test_value_comes_back(functions: ModuleType) -> None:
-    """The value of the function is the child's value, and a silent function has no output."""
-    result = run_in_child(functions.double, 21, timeout=LONG)
-    assert (result.value, result.output) == (42, "")
-
-
 def test_large_arguments_and_values_pass(functions: ModuleType) -> None:
     """Neither side waits for a full pipe: two megabytes go there and back."""
     data = bytes(range(256)) * 8192

@@ -295,7 +295,6 @@ REASONS = {
     "at_call": "ZeroDivisionError: division by zero",
     "no_syntax": "SyntaxError: ",
 }
-TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 
 
 @pytest.fixture
@@ -319,12 +318,3 @@ class TestInstalledPluginsThatAreBroken:
         assert {"csv", "urdf"} <= {stage["name"] for stage in listed["stages"]}
         printed = dh2urdf("plugins", path=[broken_plugins]).stdout
         assert "lab = at_import_lab of at_import 1.0: OSError: the licence server does not answer" in printed
-
-    def test_a_run_that_needs_none_of_them_works(
-        self, dh2urdf: Callable[..., CompletedProcess[str]], broken_plugins: Path, tmp_path: Path
-    ) -> None:
-        """Six broken plugins stop nothing: a run of built-in stages works."""
-        (tmp_path / "arm.csv").write_text(TABLE)
-        (tmp_path / "run.yaml").write_text("inputs: arm.csv\nemitters: [urdf]\noutput: {directory: out}\n")
-        dh2urdf("run", "run.yaml", path=[broken_plugins])
-        assert (tmp_path / "out" / "arm.urdf").is_file()

@@ -200,16 +200,6 @@ def test_words_are_read_as_yaml(word: str, value: object) -> None:
     assert word_node(word).plain() == value
 
 
-def test_a_mapping_keeps_its_word_where_a_text_is_wanted() -> None:
-    """An option that is a text with an inner form gets the word as it was typed."""
-
-    @dataclass(frozen=True)
-    class Tool:
-        tool: str | None = None
-
-    assert make_options(Tool, {"tool": "{xyz: [0,0,1]}"}, where="x") == Tool(tool="{xyz: [0,0,1]}")
-
-
 # --- Quantities -------------------------------------------------------------------------------------------------------
 
 

@@ -44,13 +44,6 @@ def test_defaults(folder: Path) -> None:
     assert found.proof.poses == 32
 
 
-def test_empty_sections_are_defaults(folder: Path) -> None:
-    """A section whose lines are all commented out is as if it were absent."""
-    text = TABLE + "transform:\nemitters:\nloaders:\noutput:\nexecution:\nproof:\n"
-    assert config(folder, text).problems == ()
-    assert [call.stage for call in config(folder, text).emitters] == [None]
-
-
 def test_every_section_is_read(folder: Path) -> None:
     """The long form of the run file, with marks at the stages."""
     found = config(
@@ -82,15 +75,6 @@ def test_every_section_is_read(folder: Path) -> None:
     assert found.execution.options.plain() == {"workers": "auto"}
     assert found.output.directory == Path("out")
     assert found.proof.poses == 8
-
-
-def test_names_alone_stand_for_stages_and_paths(folder: Path) -> None:
-    """A name in place of a mapping, and one entry in place of a list, mean the same as the long form."""
-    found = config(
-        folder, "inputs: [tables/a.csv]\ntransform: alpha-swap\nemitters: xacro\nloaders: {stage: pybullet}\n"
-    )
-    assert found.problems == ()
-    assert [call.stage for call in (*found.emitters, *found.loaders)] == ["xacro", "pybullet"]
 
 
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name)
@@ -140,13 +124,6 @@ def test_paths_are_relative_to_the_file_that_says_them(folder: Path) -> None:
     found = config(folder, TABLE, "output.directory=out", "inputs=here.csv")
     assert found.output.directory == Path("out")
     assert found.inputs[0].paths == (Path("here.csv"),)
-
-
-def test_absolute_paths_stay(folder: Path) -> None:
-    """An absolute path is taken as it is, in a pattern too."""
-    tables = folder.absolute() / "tables"
-    assert config(folder, f"inputs: {tables}/a.csv\n").inputs[0].paths == (tables / "a.csv",)
-    assert config(folder, f"inputs: {tables}/?.csv\n").inputs[0].paths == (tables / "a.csv", tables / "b.csv")
 
 
 # --- Settings ---------------------------------------------------------------------------------------------------------

@@ -156,12 +156,6 @@ def trace_in_millimetres(path: Path, options: Any, its: Any) -> Any:
         yield table
 
 
-def trace_no_place(path: Path, options: Any, its: Any) -> Any:
-    for table in trace(path, options, its):
-        its.rows = tuple({name: replace(said, mark=None) for name, said in row.items()} for row in its.rows)
-        yield table
-
-
 def read_columns(path: Path, options: Any) -> Any:
     """A good reading: all manipulators in groups."""
     tables = list(read(path, options))
@@ -297,14 +291,6 @@ def emit_unescaped(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
     return [EmittedFile(name=f"{stem}.bad.xml", content=f"<robot name='{robot.name}'/>".encode())]
 
 
-def emit_to_disk(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
-    import tempfile
-
-    with tempfile.TemporaryFile() as file:
-        file.write(robot.name.encode())
-    return emit(robot, stem, options)
-
-
 def emit_by_hash(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
     names = {link.name for link in robot.links}
     return [EmittedFile(name=f"{stem}.bad", content=",".join(names).encode())]
@@ -414,15 +400,6 @@ def with_other_errors(function: Any, tasks: Any, _options: Any) -> Any:
         yield from map(function, tasks)
     except ZeroDivisionError as error:
         raise RuntimeError("a task failed") from error
-
-
-def losing_the_last(function: Any, tasks: Any, _options: Any) -> Any:
-    waiting = []
-    for task in tasks:
-        waiting.append(task)
-        if len(waiting) > 2:
-            yield function(waiting.pop(0))
-    yield from map(function, waiting)
 
 
 def by_name(function: Any, tasks: Any, _options: Any) -> Any:

@@ -142,10 +142,6 @@ def whoever_is_done(function: Any, tasks: Any, _options: Any) -> Iterator[Any]:
             under_way += [pool.submit(function, task) for task in islice(upcoming, 1)]
 
 
-def at_once(function: Any, tasks: Any, _options: Any) -> list[Any]:
-    return [function(task) for task in tasks]
-
-
 def in_spawned_processes(function: Any, tasks: Any, _options: Any) -> Iterator[Any]:
     """A good one, as far as nobody's process ends: Python keeps a helper for its processes."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:

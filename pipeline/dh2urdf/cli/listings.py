@@ -20,8 +20,8 @@ from dh2urdf.stage_calls.calls import Call, depending_on
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.plugin_system.catalog import Catalog, Plugin
-    from dh2urdf.results import PluginEntry, PluginsReport, StageEntry
+    from dh2urdf.plugin_system.catalog import Catalog, Plugin, Provided
+    from dh2urdf.results import PluginEntry, PluginsReport
 
 SCHEMAS = ("run", "table", "report", "manifest", "plugins", "conversions", "info", "error")
 
@@ -52,7 +52,7 @@ def plugins(*, as_json: bool) -> int:
 def plugins_report(catalog: Catalog) -> PluginsReport:
     """Every stage with its options, and every plugin that gives none: broken, incompatible, or left out."""
     failed: list[BrokenPluginError] = []
-    stages: list[StageEntry] = []
+    stages: list[Any] = []
     words = ("name", "type", "default", "help")
     for item in [item for kind in KINDS for item in catalog.provided(kind)]:
         options: list[Any] = []
@@ -61,8 +61,7 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
                 options = [dict(zip(words, each, strict=True)) for each in describe_options(item.stage.options)]
         except BrokenPluginError as error:  # A default describes itself by code of the plugin.
             failed.append(error)
-        its: Any = {"kind": item.kind, "name": item.stage.name, "summary": item.stage.summary, **_whose(item.plugin)}
-        stages.append(its | {"options": options})
+        stages.append({**_named(item), "summary": item.stage.summary, "options": options})
     # Plugins are asked for their stages above, and are known as broken since.
     refused: list[tuple[BrokenPluginError, Any]] = [
         (error, {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason})
@@ -73,14 +72,8 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
         for each in catalog.clashes()
     ]
     shadowed: list[Any] = [
-        {
-            "kind": loser.kind,
-            "name": loser.stage.name,
-            **_whose(loser.plugin),
-            "winner": winner.plugin.distribution,
-            "choice": loser.full_name,
-        }
-        for loser, winner in ((each.loser, each.winner) for each in catalog.shadowed())
+        {**_named(loser), "winner": winner.plugin.distribution, "choice": loser.full_name}
+        for loser, winner in catalog.shadowed()
     ]
     return {
         "schema": "dh2urdf-plugins/1",
@@ -97,6 +90,10 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
         "incompatible": [entry for error, entry in refused if isinstance(error, IncompatiblePluginError)],
         "left_out": [_whose(plugin) for plugin in catalog.left_out],
     }
+
+
+def _named(item: Provided) -> dict[str, str]:
+    return {"kind": item.kind, "name": item.stage.name, **_whose(item.plugin)}  # type: ignore[dict-item] # texts
 
 
 def _whose(plugin: Plugin) -> PluginEntry:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from itertools import count, islice
 from threading import RLock
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import pluggy
 
@@ -32,8 +32,7 @@ _HOOKS = f"the hooks are {', '.join(f'dh2urdf_{kind}s' for kind in _GIVEN)}"
 _NAMES = {COMMAND: r"[^\s:=-][^\s:=]*"}  # of anything else: a word without a colon
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Provided:
+class Provided(NamedTuple):
     """A stage and the plugin that provides it."""
 
     kind: Kind

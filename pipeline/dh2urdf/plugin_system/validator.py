@@ -136,7 +136,9 @@ class _Given(Generic[T]):
             else:
                 record = self.kind()  # without pydantic, whose import takes as long as the conversion of a table
         except InputError as error:  # of the record's own __post_init__
-            self.problems += [self._placed(problem) for problem in error.problems]
+            entries = self.root.value  # Such a problem knows no places.
+            owners = [(problem, (problem.field or "").partition(".")[0]) for problem in error.problems]
+            self.problems += [problem.about(mark=entries.get(own, self.root).mark) for problem, own in owners]
         except ValueError as error:
             self.problems.append(self._refused(str(error), ()))
         if self.problems:
@@ -212,15 +214,13 @@ class _Given(Generic[T]):
 
     # --- What is wrong
 
-    def _place(self, location: Keys) -> Keys:
-        """The place of an error: its location may go on with names of types."""
-        return next(location[:depth] for depth in range(len(location), -1, -1) if location[:depth] in self.seen)
-
     def _note_errors(self, found: ValidationError) -> None:
         """Note one problem for each value; pydantic reports a union once for each of its types."""
         by_place: dict[Keys, list[Any]] = {}
         for one in found.errors(include_url=False):
-            by_place.setdefault(self._place(one["loc"]), []).append(one)
+            location = one["loc"]  # which may go on with names of types
+            places = (location[:depth] for depth in range(len(location), -1, -1))
+            by_place.setdefault(next(each for each in places if each in self.seen), []).append(one)
         for keys, errors in by_place.items():
             node = self.seen[keys][0]
             refused = [one["ctx"]["error"] for one in errors if one["type"] in REFUSED]
@@ -240,10 +240,9 @@ class _Given(Generic[T]):
         known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
         for name in names:
             if not any(did_you_mean(word, [name]) for word in self.unknown.get(keys, ())):
-                accepted = f"{type_text(known[name].hint)}{known[name].help and ': '}{known[name].help}"
-                self._note(
-                    "key-missing", node, (*keys, name), whose=self.whose, keyword=self.keyword, accepted=accepted
-                )
+                accepted = ": ".join(filter(None, (type_text(known[name].hint), known[name].help)))
+                about = {"whose": self.whose, "keyword": self.keyword, "accepted": accepted}
+                self._note("key-missing", node, (*keys, name), **about)
 
     def _note_wrong(self, keys: Keys, errors: list[Any]) -> None:
         node, hint, measures = self.seen[keys]
@@ -257,22 +256,13 @@ class _Given(Generic[T]):
 
     def _refused(self, reason: str, keys: Keys) -> Problem:
         """What the record itself refuses: the key that its message speaks of is the place."""
+        entries: Any = self.root.value
         words = set(re.findall(r"\w+", reason))
-        named = [name for name in self._entries() if name in words]
-        if not keys and named:
-            keys = (named[0],)
+        keys = keys or tuple([name for name in entries if name in words][:1])
         node = self.seen[keys][0]
-        code = "value-refused" if keys else "record-refused"
         about = {"whose": self.whose, "keyword": self.keyword, "reason": reason}
+        code = "value-refused" if keys else "record-refused"
         return say(code, node.mark, field=dotted(keys) or None, found=node.text, **about)
-
-    def _entries(self) -> dict[str, Node]:
-        return self.root.value if isinstance(self.root.value, dict) else {}
-
-    def _placed(self, problem: Problem) -> Problem:
-        """A problem of the record itself, which knows no places."""
-        entry = self._entries().get((problem.field or "").partition(".")[0], self.root)
-        return problem.about(mark=entry.mark)
 
     def _note(self, code: str, node: Node, keys: Keys, **values: Any) -> None:  # noqa: ANN401 - of a message
         self.problems.append(say(code, node.mark, field=dotted(keys) or None, found=node.text, **values))

@@ -93,17 +93,8 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     ]
     for each, loader in zip(config.loaders, loaders, strict=True):
         if loader is not None and not set(loader.stage.formats) & set(formats):
-            found, needs = ", ".join(formats), loader.stage.formats
-            asked.problems.append(
-                say(
-                    "loader-without-file",
-                    each.mark,
-                    field="loaders",
-                    found=found,
-                    loader=loader.stage.name,
-                    needs=needs,
-                )
-            )
+            about = {"found": ", ".join(formats), "loader": loader.stage.name, "needs": loader.stage.formats}
+            asked.problems.append(say("loader-without-file", each.mark, field="loaders", **about))
     if asked.problems or transform is None or executor is None:
         raise ConfigError(in_file_order(asked.problems))
     recipe = Recipe(
@@ -228,10 +219,8 @@ class _Stages:
         """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
         other, earlier, at = first
         advice = f"the first time is at {at}" if at != mark else None
+        about: dict[str, Any] = {"path": other, "suggestion": advice}
         if (call.stage, call.options) != (earlier.stage, earlier.options):
-            self.problems.append(
-                say("input-read-twice", mark, field="inputs", found=str(path), path=other, suggestion=advice)
-            )
+            self.problems.append(say("input-read-twice", mark, field="inputs", found=str(path), **about))
         else:
-            notice = say("input-twice", mark, field="inputs", path=other, suggestion=advice)
-            self.notices.setdefault(other, notice)
+            self.notices.setdefault(other, say("input-twice", mark, field="inputs", **about))

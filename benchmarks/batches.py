@@ -35,8 +35,7 @@ import yaml
 from arms import LONG, SHORT, Lengths, write_table
 from measuring import Child, fresh, in_turn, machine, run_child, seconds, table
 
-from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD
-from dh2urdf.output.shards import ShardWriter
+from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD, ShardWriter
 from dh2urdf.output.store import LocalStore
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import load_config

@@ -7,9 +7,10 @@ the world or on a link of another arm.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.cells.wanted_tables import cannot_be_made
+from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
@@ -21,11 +22,76 @@ from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from dh2urdf.cells.wanted_tables import WantedTables
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 say = Messages(__file__)
+
+REMEMBERED = 1000
+"""Names of manipulators that a message may suggest; a run may have a million."""
+SHOWN_NAMES = 20
+"""Names that a message lists."""
+
+
+class WantedTables:
+    """Keeps the manipulators of some names, and no others.
+
+    Args:
+        names: the names that are wanted.
+        cells: names of the cells of the run, of which nothing is made.
+        variations: names of its variations, of whose variants nothing is made, with what each is made of.
+    """
+
+    def __init__(
+        self, names: Iterable[str], cells: Iterable[str] = (), variations: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
+        self._cells, self._variations = frozenset(cells), variations
+        self._wanted: dict[str, list[Manipulator | Rejected]] = {name: [] for name in names}
+        self._names: list[str] = []
+
+    def see(self, item: Manipulator | ManipulatorGroups | Rejected) -> None:
+        """Take notice of what a reader gave."""
+        names = item.names if isinstance(item, ManipulatorGroups) else [item.name]
+        if not self._wanted.keys().isdisjoint(names):
+            for each in item.tables() if isinstance(item, ManipulatorGroups) else [item]:
+                if each.name in self._wanted:  # Of too many, two are enough to say so.
+                    self._wanted[each.name] = [*self._wanted[each.name][:1], each]
+        self._names += names[: REMEMBERED - len(self._names)]
+
+    def table(self, name: str, user: str, mark: Mark | None) -> Manipulator | tuple[Problem, ...]:
+        """The manipulator of a name, once everything has been seen; why not, where there is none.
+
+        Args:
+            name: one of the names that are wanted.
+            user: what is made of it, as messages call it: ``the arm 'left'``.
+            mark: where the name is in the run file.
+        """
+        about: dict[str, Any] = {"field": "of", "found": name, "user": user}
+        match self._wanted[name]:
+            case [Manipulator() as table]:
+                return table
+            case [Rejected(problems=problems)]:
+                return say("not-made", mark, **about), *problems
+            case [] if other := self._made(name):
+                return (say("made-of-no-input", mark, name=name, other=other, **about),)
+            case []:
+                names = list(dict.fromkeys(self._names))
+                few = [*names[:SHOWN_NAMES], *(["…"] if len(names) > SHOWN_NAMES else [])]
+                near = did_you_mean(name, names)
+                return (say("made-of-nothing", mark, name=name, names=few, suggestion=near, **about),)
+            case items:
+                marks = " and ".join(str(item.mark) for item in items if item.mark)
+                where = f"they are at {marks}" if marks else None
+                return (say("made-of-several", mark, name=name, suggestion=where, **about),)
+
+    def _made(self, name: str) -> str | None:
+        """What of the run itself has a name: a cell, a variation, or a variant, as `v_1` of `v`."""
+        of, _, number = name.rpartition("_")
+        if name in self._cells:
+            return "a cell"
+        if self._variations.get(name, name) != name:  # A variation without a name has that of what it is made of.
+            return "a variation"
+        return f"a variant of {shown(of)}" if of in self._variations and number.isdecimal() else None
+
 
 S = TypeVar("S", Visual, Collision)
 T = TypeVar("T")
@@ -116,7 +182,7 @@ def with_tables(cells: Sequence[CellCall], gathering: WantedTables) -> Iterator[
 
 def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:
     """The problems of an arm's table as problems of the cell, with a sentence before them that names the cell."""
-    yield cannot_be_made(arm.of, _the_arm(arm), arm.of_mark or arm.mark)
+    yield say("not-made", arm.of_mark or arm.mark, field="of", found=arm.of, user=_the_arm(arm))
     yield from problems
 
 

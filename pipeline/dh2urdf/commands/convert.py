@@ -223,9 +223,10 @@ def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
     if others is None or others.for_suffix is None:
         return call
     if (suffix := _suffix(target, call.stage)) is None:
-        from dh2urdf.conversion.file_endings import names_no_format
-
-        raise names_no_format(target, call.stage)
+        name, suffixes = target.name, call.stage.suffixes
+        raise ConfigError(
+            say("name-of-no-format", found=str(target), name=name, emitter=call.stage.name, suffixes=suffixes)
+        )
     with depending_on(call, "for_suffix"):
         return replace(call, options=a_record(others.for_suffix(call.options, suffix), call.stage.options))
 

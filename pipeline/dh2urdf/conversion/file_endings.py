@@ -32,14 +32,6 @@ def table_writer(catalog: Catalog, file: Path, mark: Mark) -> Reader[Any]:
     return catalog.reader_for(file)
 
 
-def names_no_format(file: Path, emitter: Emitter[Any]) -> ConfigError:
-    """Return the error that the suffix of a file says none of the several formats that an emitter writes."""
-    suffixes = emitter.suffixes
-    return ConfigError(
-        say("name-of-no-format", found=str(file), name=file.name, emitter=emitter.name, suffixes=suffixes)
-    )
-
-
 def notices_of_ending(catalog: Catalog, file: Path, chosen: Emitter[Any], option: str, mark: Mark) -> list[Problem]:
     """Return a notice of a file whose name is that of another format than an option asks for."""
     named = _stage(catalog.emitter_for, file)

@@ -257,7 +257,8 @@ def emit_robot(
             files[0] = replace(files[0], name=main_file)
         for file in files:
             if other := taken.get(file.name.casefold()):  # as on file systems that ignore case
-                raise _same_file(other, emitter.name, file.name)
+                code = "emitter-twice" if other == emitter.name else "emitters-of-one-file"
+                raise EmitterError(say(code, first=other, second=emitter.name, name=file.name))
             taken[file.name.casefold()] = emitter.name
         write_files(folder, files, place)
         reads = emitter.can(ReadsBack)
@@ -332,13 +333,6 @@ def _refuse_one_folder(call: Call[Emitter[Any]], stem: str) -> None:
         own, others = (set(items_of(writes.in_folders(each, call.options), "names")) for each in (stem, f"{stem}_"))
     if shared := sorted(own & others):
         raise EmitterError(say("one-folder-of-several", found=shared[0], emitter=call.stage.name))
-
-
-def _same_file(first: str, second: str, name: str) -> EmitterError:
-    """Return the error that two emitters of a robot, or one that stands twice, would write one file."""
-    return EmitterError(
-        say("emitter-twice" if first == second else "emitters-of-one-file", first=first, second=second, name=name)
-    )
 
 
 def refuse_undeclared_files(

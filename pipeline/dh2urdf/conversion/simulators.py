@@ -12,7 +12,7 @@ from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
 from dh2urdf.isolation.loads import load_in_child
-from dh2urdf.kinematics.chain import KinematicChain
+from dh2urdf.kinematics.chain import KinematicChain, as_matrices
 from dh2urdf.kinematics.expected_poses import joint_vectors
 from dh2urdf.source import Messages, shown
 from dh2urdf.stage_calls.calls import Call, a_plain_name, a_record, blaming, depending_on
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from dh2urdf.isolation.loads import KeptChildren
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
-    from dh2urdf.rotations import RigidTransform
 
 say = Messages(__file__)
 
@@ -177,7 +176,7 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
     for tip in expected.tips:
         chain, keeps = KinematicChain.between(robot, expected.root, tip.link), recipe.keeps_kinematics
         found = (tip.pose(q) if keeps else chain.forward_kinematics(tip.values(q)) for q in poses)
-        frames[tip.link] = tuple(map(_elements, found))
+        frames[tip.link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)
     request = LoadRequest(
         path=path,
         robot=robot,
@@ -212,9 +211,3 @@ def _kept(folder: Path, written: Sequence[Written]) -> Iterator[None]:
                 changed.append(file.name)
     if changed:
         raise ValueError(f"it changed or removed the file {shown(changed[0])} that it was given")
-
-
-def _elements(frame: RigidTransform) -> tuple[float, ...]:
-    """Return a rigid transform as the 16 elements of its homogeneous matrix, row by row."""
-    r, t = frame
-    return (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2], 0.0, 0.0, 0.0, 1.0)

@@ -53,11 +53,8 @@ class Journal:
         """Writes the rows that are waiting; the only ones, where files cannot be written bit by bit."""
         if not self._waiting:
             return
-        rows = b"".join(self._waiting)
-        if isinstance(self._store, LocalStore):
-            self._store.append(self._name, rows)
-        else:
-            self._store.write(self._name, rows)
+        write = self._store.append if isinstance(self._store, LocalStore) else self._store.write
+        write(self._name, b"".join(self._waiting))
         self._waiting = []
 
 
@@ -79,12 +76,12 @@ class Earlier:
         last = np.searchsorted(self._hashes, wanted, "right")
         found: dict[int, tuple[bytes, ...]] = {}
         for index in np.flatnonzero(first < last).tolist():
-            found[index] = tuple(self._line(place) for place in sorted(self._places[first[index] : last[index]])[::-1])
+            lines = []
+            for place in sorted(self._places[first[index] : last[index]])[::-1]:
+                self._rows.seek(place)
+                lines.append(self._rows.readline())
+            found[index] = tuple(lines)
         return found
-
-    def _line(self, place: int) -> bytes:
-        self._rows.seek(place)
-        return self._rows.readline()
 
 
 @contextmanager

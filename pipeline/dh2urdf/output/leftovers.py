@@ -62,7 +62,12 @@ def clear_leftovers(  # noqa: C901 - own files, members of shards, and copies of
         rows.seek(0)
         if len({file_digest(cast("BytesIO", each), "sha256").digest() for each in (old, rows)}) == 1:
             return Leftovers()
-    named, failed, of_meshes = _of_new(rows)
+    named, failed, of_meshes = NameSet(), NameSet(), set[str]()
+    rows.seek(0)
+    for row in map(_row, rows):
+        named.add(name.casefold() for name in (*row.files, *row.members, *row.meshes))
+        failed.add([row.name] if row.failed else [])
+        of_meshes.update(row.meshes.values())
     found: Counter[str] = Counter()
     shared: dict[str, bool] = {}  # what several rows name, and whether it is as it was written
     with reports.open(MANIFEST) as stream:
@@ -81,17 +86,6 @@ def clear_leftovers(  # noqa: C901 - own files, members of shards, and copies of
         if not named.known([name.casefold()]):
             _clear(store, name, found, keep=keep, whole=whole)
     return Leftovers(**found)
-
-
-def _of_new(rows: BinaryIO) -> tuple[NameSet, NameSet, set[str]]:
-    """Return the files that a new manifest names, the manipulators that failed, and the hashes of the meshes."""
-    named, failed, of_meshes = NameSet(), NameSet(), set[str]()
-    rows.seek(0)
-    for row in map(_row, rows):
-        named.add(name.casefold() for name in (*row.files, *row.members, *row.meshes))
-        failed.add([row.name] if row.failed else [])
-        of_meshes.update(row.meshes.values())
-    return named, failed, of_meshes
 
 
 def _clear(store: Store, name: str, found: Counter[str], *, keep: bool, whole: bool) -> None:

@@ -159,30 +159,19 @@ class FailureIndex:
             found.examples.setdefault(reason, message)
 
     def as_json(self) -> dict[str, Any]:
-        """Return the index as plain data.
+        """Return the index as plain data, the commonest kinds and reasons first.
 
         ::
 
-            {
-              "manipulators": 1000000,
-              "ok": 999985,
-              "failed": 15,
-              "failures": {
-                "table": {                      the kind; the commonest first
-                  "count": 12,
-                  "reasons": [                  at most 100, the commonest first
-                    {
-                      "count": 12,              manipulators whose first error has this pattern
-                      "pattern": "'…' is more than a full turn in rad, and no unit is declared for it",
-                      "example": "'90' is more than a full turn in rad, …"
-                    }
-                  ],
-                  "other_reasons": 0,           manipulators with reasons beyond these
-                  "names": ["robot_17", …]      at most 1,000, in the order of the run
-                },
-                …
-              }
-            }
+            {"manipulators": 1000000, "ok": 999985, "failed": 15,
+             "failures": {"table": {                  the kind
+                "count": 12,
+                "reasons": [                          at most 100
+                    {"count": 12,                     manipulators whose first error has this pattern
+                     "pattern": "'…' is more than a full turn in rad, and no unit is declared for it",
+                     "example": "'90' is more than a full turn in rad, …"}],
+                "other_reasons": 0,                   manipulators with reasons beyond these
+                "names": ["robot_17", …]}, …}}        at most 1,000, in the order of the run
         """
         kinds = sorted(self._failures.items(), key=lambda item: -item[1].count)
         return {

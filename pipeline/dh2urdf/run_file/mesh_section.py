@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING
 
-from dh2urdf.cells.wanted_tables import SHOWN_NAMES
+from dh2urdf.cells.cell import SHOWN_NAMES
 from dh2urdf.manipulator import Manipulator, MeshShape
 from dh2urdf.meshes.files import find_mesh
 from dh2urdf.rotations import RigidTransform

@@ -40,8 +40,7 @@ from dh2urdf.output.journal import Journal
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
 from dh2urdf.plugin_system.attribution import collected_lines
-from dh2urdf.running.earlier_files import EarlierFiles
-from dh2urdf.running.mesh_copies import MeshCopies
+from dh2urdf.running.earlier_files import EarlierFiles, MeshCopies
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import blaming, own_work
 from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
@@ -59,7 +58,6 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stage_calls.calls import Call
     from dh2urdf.variations.laws import DrawnValue
-    from dh2urdf.variations.variation import Variants
 
 
 class Depth(Enum):
@@ -134,24 +132,18 @@ class Work:
         )
         with timed(self.seconds, "draw"):
             for start, variants in batch.variants:
-                self._draw(start, variants)
+                drawn, places = variants.variation.drawn(variants.numbers), range(start, start + len(variants))
+                self.drawn.update(zip(places, drawn, strict=True))
+                self.marks.update(dict.fromkeys(places, variants.variation.mark))
+                groups, doomed = variants_from(start, variants, drawn)
+                self.groups += groups
+                self.singles.update(doomed)
         self.members = {
             place: (columns, member) for places, columns in self.groups for member, place in enumerate(places)
         }
         self.keys = self._keys()
 
     # --- What there is to make
-
-    def _draw(self, start: int, variants: Variants) -> None:
-        """The tables of variants."""
-        variation = variants.variation
-        drawn = variation.drawn(variants.numbers)
-        places = range(start, start + len(variants))
-        self.drawn.update(zip(places, drawn, strict=True))
-        self.marks.update(dict.fromkeys(places, variation.mark))
-        groups, doomed = variants_from(start, variants, drawn)
-        self.groups += groups
-        self.singles.update(doomed)
 
     def _keys(self) -> dict[int, str]:
         """What the files of each depend on: its table, the recipe, and where they go."""

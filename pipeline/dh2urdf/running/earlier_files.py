@@ -1,19 +1,26 @@
-"""The files of earlier runs: whether they are still there, byte for byte, and how they get into a new shard."""
+"""The files of earlier runs, whether they are there byte for byte; and copies of meshes, each written once."""
 
 from __future__ import annotations
 
+import os
+import tempfile
+from contextlib import contextmanager
 from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import OutputError
-from dh2urdf.output.shards import is_shard_of, members
+from dh2urdf.meshes.files import copy_name, copy_path, mesh_files, read_mesh
+from dh2urdf.output.layouts import is_shard_of, members
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from dh2urdf.conversion.outcome import ManifestRow
+    from dh2urdf.manipulator import MeshFile
     from dh2urdf.output.layouts import Layout, Put
     from dh2urdf.output.store import Store
+    from dh2urdf.robot import Robot
 
 
 class EarlierFiles:
@@ -89,3 +96,62 @@ class EarlierFiles:
             except OutputError:
                 self._shards[name] = b""
         return self._shards[name]
+
+
+class MeshCopies:
+    """The copies of meshes that the robots of a batch need.
+
+    Several workers may write one copy at the same time: they write the same bytes, and a store replaces a file at once.
+    """
+
+    def __init__(self, store: Store, earlier: EarlierFiles, prefix: str | None) -> None:
+        """Takes where copies go, what is there already, and what descriptions write before their names."""
+        self._store, self._earlier, self._prefix = store, earlier, prefix
+        self._there: set[MeshFile] = set()
+
+    def of(self, robot: Robot) -> tuple[MeshFile, ...]:
+        """The meshes of a robot that its descriptions name by their copies."""
+        return () if self._prefix is None else mesh_files(robot)
+
+    def put(self, files: Iterable[MeshFile]) -> None:
+        """Put copies in their place, where they are not there already.
+
+        Raises:
+            OutputError: a mesh cannot be read any more, or a copy cannot be written.
+        """
+        for file in files:
+            if file not in self._there and not self._earlier.has_mesh(copy_path(file), file.sha256):
+                self._store.write(copy_path(file), read_mesh(file))
+            self._there.add(file)
+
+    @contextmanager
+    def workplace(self, robot: Robot, *, loads: bool) -> Iterator[Path]:
+        """A folder for the files of a robot in the making, in which simulators, if any, find its meshes."""
+        if loads and self._prefix is not None and mesh_files(robot):
+            with tempfile.TemporaryDirectory(prefix="dh2urdf-") as top:
+                yield lay_out(Path(top), robot, self._prefix)
+        else:
+            with self._store.scratch() as folder:
+                yield folder
+
+
+def lay_out(top: Path, robot: Robot, prefix: str) -> Path:
+    """Copy the meshes of a robot into a folder, as they will lie in the output.
+
+    Args:
+        top: an empty folder.
+        robot: the robot.
+        prefix: what descriptions write before the names of copies.
+
+    Returns:
+        The folder in which a description of the robot finds them. (That a package is beside or above a
+        description that names it is how PyBullet finds packages.)
+    """
+    package = prefix.removeprefix("package://")
+    folder = top / "descriptions"
+    target = top / package if package != prefix else Path(os.path.normpath(folder / prefix))
+    for each in (folder, target):
+        each.mkdir(parents=True, exist_ok=True)
+    for file in mesh_files(robot):
+        (target / copy_name(file)).write_bytes(read_mesh(file))
+    return folder

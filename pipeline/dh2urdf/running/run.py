@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import re
 import sys
 import tempfile
 import time
 from collections import deque
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.commands.choices import refuse_table
@@ -16,13 +19,18 @@ from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.isolation.process import this_process
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
+from dh2urdf.output.layouts import Form
 from dh2urdf.output.leftovers import clear_leftovers
+from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.output.whole_files import reporting_the_disk
 from dh2urdf.plugin_system.attribution import unmarked
 from dh2urdf.report.manifest import (
     FULL,
+    INDEX,
     PAGE,
+    REPORT,
     TABLE,
+    TIMING,
     ManifestWriter,
     can_write_html,
     run_report,
@@ -35,7 +43,6 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.running.batch_work import BatchWorker, Depth
-from dh2urdf.running.run_inputs import OWN_FILES, refuse_overwriting
 from dh2urdf.source import Messages, printable
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
 from dh2urdf.stage_calls.pools import results_of
@@ -46,12 +53,12 @@ from dh2urdf.tasks.batch_sizes import Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence
-    from pathlib import Path
 
     from dh2urdf.documents.document import Node
     from dh2urdf.output.store import Store
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
+    from dh2urdf.run_file.plan import Plan
 
 say = Messages(__file__)
 
@@ -137,9 +144,11 @@ def execute(
         reporting_the_disk(str(store)),
         store.lock(),
         nullcontext() if reports is store else reports.lock(),
-        _earlier(reports, resume=resume) as earlier,
+        earlier_rows(reports) if resume else nullcontext() as earlier,
         reports.scratch() as folder,
     ):
+        if not resume:  # What earlier runs have done is forgotten.
+            reports.remove_tree(JOURNAL)
         journal = next_journal(reports)
         path = folder / "manifest"
         with path.open("w+b") as rows:
@@ -168,17 +177,6 @@ def execute(
         reports.put(MANIFEST, path)
         reports.remove_tree(JOURNAL)
     return result, report
-
-
-@contextmanager
-def _earlier(store: Store, *, resume: bool) -> Iterator[Earlier | None]:
-    """Yield what earlier runs have done, where the run goes on from there; otherwise that is forgotten."""
-    if resume:
-        with earlier_rows(store) as earlier:
-            yield earlier
-    else:
-        store.remove_tree(JOURNAL)
-        yield None
 
 
 def _make(  # noqa: PLR0917 - what a run has in its hands
@@ -323,3 +321,76 @@ def _culprits(worker: BatchWorker, batch: Batch, places: range) -> Iterator[tupl
         middle = len(places) // 2
         yield from _culprits(worker, batch, places[:middle])
         yield from _culprits(worker, batch, places[middle:])
+
+
+# --- Inputs, which a run does not write over ------------------------------------------------------------------------
+
+OWN_FILES = (MANIFEST, TABLE, INDEX, REPORT, TIMING, PAGE)
+"""The files of a run beside those of its manipulators."""
+_SHARD = re.compile(r"[0-9]{6}\.tar")
+
+
+def refuse_overwriting(plan: Plan) -> None:
+    """Refuses a run that would write over one of its inputs, and protects the others from it.
+
+    Which files a run writes is known before it begins by their names: its own, and those with the endings that its
+    emitters declare. The rest, such as the files of a ROS package, the store refuses when it comes.
+
+    Raises:
+        ConfigError: a file that the run writes is one that it reads; it names all of them.
+    """
+    emitters = [call.stage for call in plan.recipe.emitters]
+    suffixes = tuple(ending for each in emitters for ending in each.endings)
+    pictures = (".png",) if plan.recipe.loaders else ()
+    _refuse_overwriting(plan, plan.store, (*suffixes, *pictures), "output.directory")
+    if plan.reports is not None:
+        _refuse_overwriting(plan, plan.reports, (), "report.directory")
+
+
+def _refuse_overwriting(plan: Plan, store: Store, suffixes: tuple[str, ...], field: str) -> None:
+    if not isinstance(store, LocalStore):
+        return
+    problems, names = [], set()
+    for path in dict.fromkeys(_inputs(plan)):
+        own = set(_names_in(store, path))
+        names |= own
+        if any(
+            name.endswith(suffixes)
+            or name.startswith(f"{WORKING}/")
+            or name in OWN_FILES
+            or (plan.layout.form is Form.SHARDS and _SHARD.fullmatch(name))
+            for name in own
+        ):
+            problems.append(say("run-overwrites-input", field=field, found=str(path), path=path, store=str(store)))
+    if problems:
+        raise ConfigError(problems)
+    store.protect(names)
+
+
+def _inputs(plan: Plan) -> Iterator[Path]:
+    """Every file that a run reads, as far as it is known before its tables are read."""
+    yield from plan.files
+    for path, reader in plan.inputs:
+        yield path
+        yield from reader.files
+    for stage in plan.recipe.calls:
+        yield from stage.files
+    for call in plan.meshes:
+        for shapes in (call.base, *(shapes for _, shapes in call.joints)):
+            for shape in (shapes.visual, shapes.collision):
+                if shape is not None:
+                    yield Path(shape.file.path)
+
+
+def _names_in(store: LocalStore, path: Path) -> Iterator[str]:
+    """Yield the names of a file in the folder of a store, in lower case: by its own path, and by links."""
+    root = os.path.realpath(store.directory)
+    by_folder = os.path.join(os.path.realpath(path.parent), path.name)  # noqa: PTH118
+    for place in dict.fromkeys((by_folder, os.path.realpath(path))):
+        name = os.path.relpath(place, root)
+        if name != ".." and not name.startswith("../"):
+            yield name.casefold()
+    for own in OWN_FILES:
+        with suppress(OSError, ValueError):
+            if os.path.samefile(path, os.path.join(root, own)):  # noqa: PTH118, PTH121
+                yield own

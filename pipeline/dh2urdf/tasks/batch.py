@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from dh2urdf.cells.cell import Cell, with_tables
-from dh2urdf.cells.wanted_tables import WantedTables
+from dh2urdf.cells.cell import Cell, WantedTables, with_tables
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.simulators import picture_endings

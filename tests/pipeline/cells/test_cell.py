@@ -13,8 +13,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import dh2urdf
-from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, expected_poses_of, with_tables
-from dh2urdf.cells.wanted_tables import WantedTables
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, WantedTables, compose, expected_poses_of, with_tables
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import RobotError

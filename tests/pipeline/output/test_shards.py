@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.output.shards import ShardWriter, is_shard_of, members, shard_stem
+from dh2urdf.output.layouts import ShardWriter, is_shard_of, members, shard_stem
 from dh2urdf.output.store import open_store
 
 if TYPE_CHECKING:

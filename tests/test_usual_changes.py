@@ -92,8 +92,8 @@ CHANGES = {
         [
             (
                 "plugins/dh2urdf_plugins/__init__.py",
-                "    return (urdf.EMITTER,",
-                "    from dh2urdf_plugins.formats import names\n\n    return (names.EMITTER, urdf.EMITTER,",
+                "    yield from (ros2.EMITTER,",
+                "    from dh2urdf_plugins.formats import names\n\n    yield from (names.EMITTER, ros2.EMITTER,",
             )
         ],
         {"arm.csv": TABLE},

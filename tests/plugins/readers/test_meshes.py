@@ -41,13 +41,14 @@ def test_a_mesh_is_a_path_or_a_mapping(read_one: Callable[..., Manipulator]) -> 
     """Its place has the units of the table; its path leads from the folder of the table, and its mark is kept."""
     arm = read_one(
         joint(
-            "mesh: meshes/a.stl, visual: meshes/b.dae, collision: {file: meshes/a.stl, xyz: [1, 0, 0], rpy: [0, 0, 90]}"
+            "mesh: meshes/a.stl, visual: meshes/b.dae, collision: {file: meshes/a.stl, xyz: [1, 0, 0], rpy: [0, 0, 90], scale: 1/1000}"
         )
     )
     (row,) = arm.rows
     assert row.visual is not None
     assert row.collision is not None
     assert [Path(shape.file.path).name for shape in (row.visual, row.collision)] == ["b.dae", "a.stl"]
+    assert (row.visual.scale, row.collision.scale) == ((1.0,) * 3, (0.001,) * 3)
     assert row.visual.pose == RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))
     assert row.collision.pose == RigidTransform.from_xyz_rpy((0.001, 0.0, 0.0), (0.0, 0.0, HALF_PI))
     assert str(row.visual.mark).endswith("arm.yaml:4:68")
@@ -71,17 +72,6 @@ def test_a_mesh_that_is_a_link_to_elsewhere_is_refused(tmp_path: Path, reader: A
     assert ["is a link out of the folder" in problem.message for problem in problems] == [True]
     (arm,) = reader.read(path, TableOptions(mesh_links=True))
     assert arm.base_visual or arm.rows[0].visual
-
-
-@pytest.mark.parametrize(
-    ("scale", "factors"), [("0.001", (0.001,) * 3), ("[1, -1, 2]", (1, -1, 2)), ("1/1000", (0.001,) * 3)]
-)
-def test_a_scale_is_one_factor_or_three(scale: str, factors: object, read_one: Callable[..., Manipulator]) -> None:
-    """It is a bare number, whatever the unit of lengths is."""
-    (row,) = read_one(joint(f"mesh: {{file: meshes/a.stl, scale: {scale}}}")).rows
-    assert row.visual is not None
-    assert row.visual == row.collision
-    assert row.visual.scale == factors
 
 
 def test_the_base_has_meshes_in_comment_lines_too(read_one: Callable[..., Manipulator]) -> None:

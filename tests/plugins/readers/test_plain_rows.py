@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.manipulator import DHRow
+from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.header.units import Units
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
@@ -22,6 +22,8 @@ from dh2urdf_plugins.readers.table import TableOptions
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator
     from pathlib import Path
+
+    from dh2urdf.stages import Rejected
 
 
 @contextmanager
@@ -44,10 +46,8 @@ R, P = "R,100,0,10", "P,100,0,10"
 MIXED = {
     "an offset, lengths in mm": ("# units: {length: mm}", "offset", (f"{R},0.5", f"{P},5")),
     "an offset, angles in degrees": ("# units: {angle: deg}", "offset", ("R,1,0,1,90", "P,1,0,1,0.5")),
-    "an offset, a and d in mm": ("a [mm],alpha,d [mm]", "offset", (f"{R},0.5", f"{P},5")),
     "limits, lengths in mm": ("# units: {length: mm}", "lower,upper", (f"{R},-1,{{k}}", f"{P},-1,{{k}}")),
     "speeds, lengths in mm": ("# units: {length: mm}", "velocity", (f"{R},{{k}}", f"{P},{{k}}")),
-    "speeds, angles in degrees": ("# units: {angle: deg}", "velocity", ("R,1,0,1,{k}", "P,1,0,1,{k}")),
     "offsets in a column of m": ("", "offset [m]", ("R,1,0,1,0", "P,1,0,1,{k}")),
     "limits in columns of m": ("", "lower [m],upper [m]", ("P,1,0,1,-1,{k}", "P,1,0,1,0,{k}")),
     "an offset in a column of rad, of a joint that slides": ("", "offset [rad]", ("R,1,0,1,0", "P,1,0,1,0.5")),
@@ -189,6 +189,20 @@ def test_units_in_cells_are_read_fast_where_no_bare_number_is_beside_them(
         assert read == outcome(tmp_path / "arms.csv", content, convention="standard")
 
 
+@pytest.mark.parametrize("field", ["a", "alpha", "d", "theta", "offset", "lower"])
+def test_a_number_too_small_for_a_double_is_refused_in_bulk(
+    field: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """On the fast path, among numbers with usual exponents."""
+    fields = ("a", "alpha", "d", "theta", "offset", "lower", "upper")
+    row = dict.fromkeys(fields, "0") | {"a": "0.3", "lower": "-1", "upper": "1"}
+    rows = [row | {"d": "1e-05"} for _ in range(400)]
+    rows[300] |= {field: "1e-400"}
+    lines = "".join(f"r{k},{','.join(row.values())}\n" for k, row in enumerate(rows))
+    arms = read(f"# convention: standard\nrobot,{','.join(fields)}\n{lines}")
+    assert [arm.name for arm in arms if not isinstance(arm, Manipulator)] == ["r300"]
+
+
 # --- The sample that is read twice ------------------------------------------------------------------------------------
 
 
@@ -213,7 +227,7 @@ def plant(
     monkeypatch.setattr(PlainRows, "read", wrong)
 
 
-@pytest.mark.parametrize("rows", [1, 6, 200])
+@pytest.mark.parametrize("rows", [1, 200])
 def test_a_wrong_fast_reading_is_an_error_that_names_both(
     rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -278,11 +292,8 @@ def test_the_sample_is_small_and_the_same_each_time() -> None:
         (["-0", "-0.0", "12345678901234567890123"], [0.0, 0.0, 12345678901234567890123.0]),
         (["+1", "01", ".5", "2.", " 7 "], [1.0, 1.0, 0.5, 2.0, 7.0]),
         (["1,2"], None),
-        (["[1", "2]"], None),
         (["[1", "2]", "3,4"], None),
         (['"1', '2"', "3,4"], None),
-        (["1", "null"], None),
-        (["true", "1"], None),
         (["1", ""], None),
         (["1_0", "2"], None),
         (["1\n", "2"], None),
@@ -299,11 +310,9 @@ def test_decimal_numbers_are_those_of_float(column: list[str], numbers: list[flo
     ("header", "cells"),
     [
         ("mass", "1.5"),
-        ("mass [g]", "1500"),
         ("mass,com_x,com_y,com_z", "1.5,0,-0.1,{k}"),
         ("mass,ixx,iyy,izz,ixy,ixz,iyz", "1.5,0.1,0.1,0.2,0,0,{k}"),
         ("damping,friction,armature", "0.1,0,{k}"),
-        ("radius", "{k}"),
         ("mass", "-{k}"),
         ("damping", "-1"),
     ],

@@ -11,10 +11,11 @@ from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsCells, Rejected
+from dh2urdf_plugins.readers.header.columns import TURN_ROUND
 from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 HEADER = ["joint", "type", "a", "alpha", "d"]
@@ -225,3 +226,35 @@ def test_a_column_without_a_header_that_counts_the_rows_of_all_manipulators(cell
     rows = [f"r{k // 2},{k if k != 501 else cell},0.3,0,0" for k in range(1000)]
     text = "\n".join(["# convention: standard", "robot,,a,alpha,d", *rows, ""])
     assert [item.name for item in dh2urdf.read_all(text, reader="csv") if isinstance(item, Rejected)] == bad
+
+
+@pytest.mark.parametrize("name", ["θ_offset", "theta_offset_i", "Joint angle offset"])
+@pytest.mark.parametrize("kind", ["R", "P"])
+def test_an_offset_of_theta_is_the_constant_part_of_theta(
+    name: str, kind: str, read_one: Callable[..., Manipulator]
+) -> None:
+    """It was refused; it is an angle, also where the joint slides."""
+    arm = read_one(f"type,a,alpha,d,{name}\n{kind},0.3,0,0.1,pi/2\n")
+    expected = read_one(f"type,a,alpha,d,theta\n{kind},0.3,0,0.1,pi/2\n")
+    assert arm.fk([0.7]) == pytest.approx(expected.fk([0.7]))
+    assert read_one(f"type,a,alpha,d,{name} [deg]\n{kind},0.3,0,0.1,30\n").rows[0].theta == pytest.approx(math.pi / 6)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "parameter,J1,J2,J3\na,0,0.3,0.2\nalpha,pi/2,0,0\nd,0.1,0,0",
+        "param;1;2;3\na [mm];0;300;200\nalpha;90;0;0\nd;100;0;0",
+        "a,0,0.3,0.2\nalpha,0,0,0\nd,0.1,0,0",
+    ],
+)
+def test_a_table_whose_joints_are_in_columns_is_to_be_turned_round(table: str) -> None:
+    """The advice was that no field is called '0.3'."""
+    with pytest.raises(TableError) as caught:
+        dh2urdf.read(f"# convention: standard\n{table}\n", reader="csv")
+    assert TURN_ROUND in str(caught.value)
+
+
+def test_a_row_of_names_that_are_headers_too_is_a_row(read_one: Callable[..., Manipulator]) -> None:
+    """Numbers are in it."""
+    assert [row.joint for row in read_one("joint,link,a,alpha,d\nmass,base plate,0.3,0,0\n").rows] == ["mass"]

@@ -214,10 +214,8 @@ def test_base_and_tool_follow_the_headers(form: str, where: str, files: Files) -
     ("cells", "headers", "said"),
     [
         ({"lower": "-180°", "upper": "180°", "velocity": "180"}, {}, None),
-        ({"lower": "-3", "upper": "180 deg", "velocity": "180"}, {}, None),
         ({"offset": "90°", "velocity": "180"}, {}, None),
         ({"lower": "-180", "upper": "180", "velocity": "180"}, {"lower": "deg", "upper": "deg"}, None),
-        ({"lower": "-1", "upper": "1", "velocity": "3"}, {"upper": "deg"}, None),
         ({"lower": "-180", "upper": "180", "velocity": "180"}, {}, {"angle": "deg"}),
         ({"lower": "-180°", "upper": "180°", "velocity": "pi"}, {}, None),
     ],
@@ -251,19 +249,16 @@ def test_a_force_is_no_torque(form: str, kind: str, unit: str, files: Files) -> 
     "table",
     [
         "a, alpha, d\n300 mm, 90°, 0\n0, pi/2, 0",
-        "a, alpha, d, velocity\n0.3, 0, 0, 180 deg/s\n0.2, 0, 0, pi",
-        "a, alpha, d\n0.3 m, 1 rad, 0\n0.2, 0.5, 0",
         "type, a, alpha, d, lower, upper\nR, 0.3, 0, 0, -170°, 170°\nP, 0.2, 0, 0, 0, 0.5",
-        "type, a, alpha, d, velocity\nR, 0.3, 0, 0, 180 deg/s\nP, 0.2, 0, 0, 0.5",
         "# units: mm, deg\na, alpha, d\n300, 90, 0\n0.2 m, 1 rad, 0",
         "a [mm], alpha [deg], d\n300, 90, 0\n0.2 m, 1 rad, 0",
     ],
 )
 def test_what_is_sure_beside_cells_with_units_gets_none(read_one: Callable[..., Manipulator], table: str) -> None:
-    assert "has no unit and is read" not in "\n".join(notice.message for notice in read_one(table).notices)
+    assert "bare-beside-cells" not in [notice.code for notice in read_one(table).notices]
 
 
-@pytest.mark.parametrize("words", ["mm/deg", "mm / deg", "mm and degrees", "mm & deg", "[mm, deg]"])
+@pytest.mark.parametrize("words", ["mm / deg", "mm and degrees", "[mm, deg]"])
 def test_units_in_words_are_read_in_yaml_as_in_a_comment(words: str, read_one: Callable[..., Manipulator]) -> None:
     arms = [
         read_one(f"units: {words}\njoints: [{{a: 300, alpha: 90, d: 0}}]", ".yaml"),

@@ -8,11 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf_check.rules import table
 
 _TABLES = Path(__file__).with_name("rules")
 
@@ -20,11 +19,10 @@ _TABLES = Path(__file__).with_name("rules")
 @cache
 def tables() -> dict[str, tuple[Path, dict[str, Any]]]:
     """Every rule by its name: the table that has it, and its entry there."""
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     return {
         name: (path, entry)
         for path in sorted(_TABLES.glob("*.yaml"))
-        for name, entry in yaml.load(path.read_text("utf-8"), loader).items()  # noqa: S506 - both are safe
+        for name, entry in table(path.stem).items()
         if isinstance(entry, dict) and "fault" in entry
     }
 

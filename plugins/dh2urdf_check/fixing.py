@@ -66,16 +66,13 @@ def fixed(path: Path) -> Repair:
     content = read_bytes(path, InputError, limit=LARGEST)
     tags = _tags(content, path)
     edits = [*_axes(tags), *_limits(tags), *_inertias(tags), *_names(tags)]
-    pieces, end = list[bytes](), 0
+    pieces, end, told = list[bytes](), 0, dict[str, Problem]()
     for edit in sorted(edits, key=lambda edit: edit.span):
         pieces += [content[end : edit.span[0]], edit.text]
         end = edit.span[1]
-    text = b"".join([*pieces, content[end:]])
-    told: dict[str, Problem] = {}
-    for edit in sorted(edits, key=lambda edit: edit.span):
         mark = Mark(file=str(path), line=edit.tag.line, column=edit.tag.column)
         told.setdefault(edit.message, Problem(message=edit.message, severity="notice", mark=mark))
-    changes = list(told.values())
+    text, changes = b"".join([*pieces, content[end:]]), list(told.values())
     if not text.removeprefix(_BOM).startswith(b"<?xml"):
         text = _DECLARATION + text.removeprefix(_BOM)
         message = "the file begins with an XML declaration"

@@ -11,13 +11,13 @@ from dh2urdf.cli.answers import answer, answers as stream
 from dh2urdf.kinematics.comparison import changes
 from dh2urdf.source import listed, printable
 from dh2urdf.stages import PACKAGE_FILE, SEVERITIES
-from dh2urdf_check.reports import OTHER_ARM, counts
+from dh2urdf_check.reports import OTHER_ARM, counts, errors_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.kinematics.comparison import Agreement, Difference
+    from dh2urdf.kinematics.comparison import Agreement
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.source import Mark
     from dh2urdf.stages import Effect, Finding
@@ -193,22 +193,18 @@ def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> 
     count = len(agreement.joints)
     chain = f"{agreement.base_link} to {agreement.tip_link}, {count} joint{'' if count == 1 else 's'}"
     if agreement.holds and agreement.difference is not None:
-        yield f"the same arm as {manipulator.name} of {table} ({chain}): within {_errors(agreement.difference)}"
+        yield f"the same arm as {manipulator.name} of {table} ({chain}): within {errors_of(agreement.difference)}"
         return
     yield f"error: not the arm {manipulator.name} of {table} as it stands ({chain}) [{OTHER_ARM}]"
     if agreement.difference is not None:
         q = ", ".join(f"{value:.4g}" for value in agreement.difference.q)
-        yield f"    they differ by up to {_errors(agreement.difference)}, at q = [{q}]"
+        yield f"    they differ by up to {errors_of(agreement.difference)}, at q = [{q}]"
     if agreement.first_difference:
         yield f"    {agreement.first_difference}"
     if agreement.corrected is None or agreement.remaining is None:
         yield "    no base, tool, signs and offsets make them the same arm"
         return
     outcome = "agree, within" if agreement.remaining.is_none else "differ still, by up to"
-    yield f"    with this in the table they {outcome} {_errors(agreement.remaining)}:"
+    yield f"    with this in the table they {outcome} {errors_of(agreement.remaining)}:"
     for line in changes(manipulator, agreement.corrected):
         yield f"        {line}"
-
-
-def _errors(difference: Difference) -> str:
-    return f"{difference.position_error:.2g} m and {difference.angle_error:.2g} rad"

@@ -40,19 +40,20 @@ def comparison_finding(agreement: Agreement, manipulator: Manipulator) -> Findin
         return None
     message = f"the description is not the arm of the table {manipulator.name!r} as it stands"
     if agreement.difference is not None:
-        message += f": {agreement.tip_link} is up to {_errors(agreement.difference)} away"
+        message += f": {agreement.tip_link} is up to {errors_of(agreement.difference)} away"
     if agreement.first_difference:
         message += f"; {agreement.first_difference}"
     corrected, remaining = agreement.corrected, agreement.remaining
     if corrected is None or remaining is None:
         return Finding(rule=OTHER_ARM, message=message, fix="no base, tool, signs and offsets make them the same arm")
     said = "; ".join(changes(manipulator, corrected)) or "nothing"
-    what = "makes them the same arm" if remaining.is_none else f"brings them to within {_errors(remaining)}"
+    what = "makes them the same arm" if remaining.is_none else f"brings them to within {errors_of(remaining)}"
     return Finding(rule=OTHER_ARM, message=message, fix=f"this in the table {what}: {said}")
 
 
-def _errors(difference: Difference) -> str:
-    return f"{difference.position_error:.3g} m and {difference.angle_error:.3g} rad"
+def errors_of(difference: Difference) -> str:
+    """How far two arms are from each other, as a sentence has it."""
+    return f"{difference.position_error:.2g} m and {difference.angle_error:.2g} rad"
 
 
 class Report(NamedTuple):

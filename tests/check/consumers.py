@@ -122,13 +122,16 @@ def behaviours(consumer: str, paths: Sequence[Path]) -> list[Behaviour]:
 def pybullet(path: str) -> Behaviour:
     import pybullet as p
 
-    robot = p.loadURDF(path, useFixedBase=True, flags=p.URDF_USE_INERTIA_FROM_FILE)
+    if path.endswith(".urdf"):
+        robots = [p.loadURDF(path, useFixedBase=True, flags=p.URDF_USE_INERTIA_FROM_FILE)]
+    else:
+        robots = p.loadSDF(path) if path.endswith(".sdf") else p.loadMJCF(path)
     found = Behaviour("loads")
-    found.masses[p.getBodyInfo(robot)[0].decode()] = p.getDynamicsInfo(robot, -1)[0]
+    found.masses |= {p.getBodyInfo(robot)[0].decode(): p.getDynamicsInfo(robot, -1)[0] for robot in robots}
     extra = found.extra
     extra |= {"inertias": {}, "axis": {}, "effort": {}, "start": {}, "moves": True, "told": {}}
     numbers: list[float] = []
-    for index in range(p.getNumJoints(robot)):
+    for robot, index in ((each, index) for each in robots for index in range(p.getNumJoints(each))):
         info, dynamics = p.getJointInfo(robot, index), p.getDynamicsInfo(robot, index)
         joint, link = info[1].decode(), info[12].decode()
         found.masses[link], extra["inertias"][link] = dynamics[0], dynamics[2]
@@ -306,7 +309,7 @@ def sdformat(path: str) -> Behaviour:
     if found.end == "loads":
         for link in re.finditer(r"<link name='([^\n]*?)'>.*?</link>", printed, re.DOTALL):
             mass = re.search(r"<mass>(.*?)</mass>", link[0])
-            found.masses[link[1]] = float(mass[1]) if mass else math.nan
+            found.masses[link[1]] = float(mass[1].split()[0]) if mass else math.nan
         told = found.extra["told"] = {}
         for joint in re.finditer(r"<joint name='([^\n]*?)' type='(\w*)'>.*?</joint>", printed, re.DOTALL):
             texts = {w: re.search(rf"<{w}>(.*?)</{w}>", joint[0]) for w in ("lower", "upper", "effort", "velocity")}

@@ -252,9 +252,18 @@ COLLADA = """<?xml version="1.0"?>
 <param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="4">
 <input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>
+<library_visual_scenes><visual_scene id="s"><node>{steps}<instance_geometry url="#g"/></node></visual_scene>
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
+
+
+def collada(
+    asset: str = '<asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>',
+    corners: str = "0 0 0 0.1 0 0 0 0.1 0 0 0 0.1",
+    steps: str = "",
+) -> str:
+    """A tetrahedron in COLLADA."""
+    return COLLADA.format(asset=asset, corners=corners, faces="0 2 1 0 1 3 0 3 2 1 2 3", steps=steps)
 
 
 def write_meshes(folder: Path) -> None:
@@ -275,11 +284,7 @@ def write_meshes(folder: Path) -> None:
     (folder / "part.glb").write_bytes(b"glTF")
     (folder / "many.stl").write_bytes(bytes(80) + struct.pack("<I", 200_004) + b"".join(triangles) * 50_001)
     (folder / "pointer.stl").write_text(f"version https://git-lfs.github.com/spec/v1\noid sha256:{64 * '0'}\nsize 9\n")
-    dae = COLLADA.format(
-        asset='<asset><unit meter="0.01"/><up_axis>Z_UP</up_axis></asset>',
-        corners=" ".join(str(number) for corner in corners for number in corner),
-        faces=" ".join(str(index) for face in faces for index in face),
-    )
+    dae = collada('<asset><unit meter="0.01"/><up_axis>Z_UP</up_axis></asset>')
     (folder / "unit.dae").write_text(dae)
     (folder / "hollow.dae").write_text(dae.replace(' meter="0.01"', ""))
     (folder / "flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import require
+from faulty_files import collada
 
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Question
@@ -32,17 +33,6 @@ SDF = (
     '<?xml version="1.0"?>\n<sdf version="1.9"><model name="m"><link name="base">{base}</link>'
     '<link name="arm"/><joint name="j" type="revolute"><parent>base</parent><child>arm</child>'
     "<axis><xyz>0 0 1</xyz></axis></joint></model></sdf>\n"
-)
-DAE = (
-    '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">{asset}'
-    '<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">'
-    '0 0 0 2 0 0 0 2 0 0 0 2</float_array><technique_common><accessor source="#a" count="4" stride="3">'
-    '<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor>'
-    '</technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
-    '<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>'
-    '</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n">'
-    '<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene>'
-    '<instance_visual_scene url="#s"/></scene></COLLADA>'
 )
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 ASSET = '<asset><unit meter="{}"/><up_axis>Z_UP</up_axis></asset>'
@@ -115,7 +105,7 @@ def test_a_refusal_is_at_the_joint_that_the_program_names(told: Any) -> None:
 def test_a_crash_is_a_finding_and_the_other_files_are_asked(cli: Cli, tmp_path: Path) -> None:
     """The mesh ends PyBullet with a signal; in a new child it gets the next file."""
     require("pybullet")
-    (tmp_path / "one.dae").write_text(DAE.format(asset=ASSET.format("").replace(' meter=""', "")))
+    (tmp_path / "one.dae").write_text(collada(ASSET.format("").replace(' meter=""', ""), "0 0 0 2 0 0 0 2 0 0 0 2"))
     (tmp_path / "a.urdf").write_text(urdf(arm=BODY.format(2) + mesh("one.dae")))
     (tmp_path / "b.urdf").write_text(urdf())
     document = json.loads(cli("check", "a.urdf", "b.urdf", "--for", "pybullet", "--json", status=1).stdout)
@@ -129,33 +119,7 @@ def test_a_mesh_across_the_principal_axes_has_one_size(told: Any, tmp_path: Path
     """PyBullet has the vertices along the principal axes of the link: the body is as large there as elsewhere."""
     skew = BODY.format(2).replace('ixy="0"', 'ixy="0.04"')
     corners = [(x, y, z) for x in (0, 3) for y in (0, 0.2) for z in (0, 0.1)]
-    faces = [
-        "1",
-        "2",
-        "4",
-        "3",
-        "5",
-        "6",
-        "8",
-        "7",
-        "1",
-        "5",
-        "6",
-        "2",
-        "3",
-        "4",
-        "8",
-        "7",
-        "1",
-        "3",
-        "7",
-        "5",
-        "2",
-        "6",
-        "8",
-        "4",
-    ]
-    quads = [faces[at : at + 4] for at in range(0, len(faces), 4)]
+    quads = ("1243", "5687", "1562", "3487", "1375", "2684")
     triangles = [f"f {a} {b} {c}\nf {a} {c} {d}" for a, b, c, d in quads]
     text = "\n".join([*(f"v {x} {y} {z}" for x, y, z in corners), *triangles, ""])
     (tmp_path / "long.obj").write_text(text)
@@ -167,7 +131,7 @@ def test_units_of_a_mesh_that_two_programs_read_otherwise(told: Any, tmp_path: P
     """PyBullet multiplies by the unit of COLLADA, Pinocchio does not."""
     require("pybullet", "pinocchio")
     for factor, name in ((0.01, "hundredth"), (1, "metre")):
-        (tmp_path / f"{name}.dae").write_text(DAE.format(asset=ASSET.format(factor)))
+        (tmp_path / f"{name}.dae").write_text(collada(ASSET.format(factor), "0 0 0 2 0 0 0 2 0 0 0 2"))
     found = seen(told(urdf(arm=BODY.format(2) + mesh("hundredth.dae")), status=1), "pybullet")["collada-unit"]
     assert "0.01 times as large" in found["does"]
     assert (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours, require
-from faulty_files import BOX, SOUND, write_meshes
+from faulty_files import BOX, SOUND, collada, write_meshes
 
 from dh2urdf_check import meshes
 from dh2urdf_check.inspection import inspect_urdf
@@ -29,20 +29,8 @@ def sides_of(path: Path) -> Vec3 | None:
     return file.unit * x, file.unit * y, file.unit * z
 
 
-COLLADA = """<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-  <asset><unit meter="{unit}"/><up_axis>Z_UP</up_axis></asset>
-  <library_geometries><geometry id="g"><mesh>
-    <source id="p"><float_array id="a" count="12">0 0 0 100 0 0 0 200 0 0 0 300</float_array>
-      <technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
-      <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-    <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-    <triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>
-  </mesh></geometry></library_geometries>
-  <library_visual_scenes><visual_scene id="s"><node>{steps}<instance_geometry url="#g"/></node></visual_scene>
-  </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene>
-</COLLADA>
-"""
+CORNERS = "0 0 0 100 0 0 0 200 0 0 0 300"
+ASSET = '<asset><unit meter="{}"/><up_axis>Z_UP</up_axis></asset>'
 
 
 @pytest.mark.parametrize(
@@ -56,7 +44,7 @@ def test_a_collada_file_is_read_with_its_unit_and_transforms(
     tmp_path: Path, unit: str, steps: str, sides: tuple[float, ...]
 ) -> None:
     path = tmp_path / "part.dae"
-    path.write_text(COLLADA.format(unit=unit, steps=steps))
+    path.write_text(collada(ASSET.format(unit), CORNERS, steps))
     assert sides_of(path) == pytest.approx(sides)
 
 
@@ -72,7 +60,7 @@ NO_MESHES = {
     "cut.stl": bytes(80) + struct.pack("<I", 1000) + bytes(50),
     "nan.obj": b"v nan 0 0\nv 1 1 1\n",
     "not.dae": b"hello",
-    "nowhere.dae": COLLADA.format(unit="1", steps="").replace('source="#p"', 'source="#q"').encode(),
+    "nowhere.dae": collada().replace('source="#p"', 'source="#q"').encode(),
     "other.glb": b"glTF",
 }
 

@@ -4,66 +4,41 @@ from __future__ import annotations
 
 import re
 import struct
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from consumers import require
-from faulty_files import BOX, CYLINDER, ELBOW_LIMIT, LINK_2_BODY, LINK_2_INERTIA, SOUND, write_meshes
+from faulty_files import BOX, CYLINDER, ELBOW_LIMIT, LINK_2_BODY, LINK_2_INERTIA, SOUND, collada, write_meshes
 from foretelling import effects_of, unforeseen
 
 from dh2urdf_check.meshes import read_meshes
 from dh2urdf_check.rules import Outcome
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+
+def stl(*corners: tuple[float, float, float]) -> bytes:
+    """An STL of the triangles between each corner, the next and the first."""
+    triangles = [(corners[0], second, third) for second, third in pairwise(corners[1:])]
+    packed = [struct.pack("<12fH", 0, 0, 0, *one, *two, *three, 0) for one, two, three in triangles]
+    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(packed)
 
 
-CORNERS = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)]
-FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + 64 * b"0" + b"\nsize 12345\n"
-FLAT = [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)]
-
-
-def stl(faces: Sequence[tuple[int, ...]], corners: Sequence[tuple[float, ...]] = CORNERS, scale: float = 1.0) -> bytes:
-    triangles = [[scale * number for corner in face for number in corners[corner]] for face in faces]
-    packed = [struct.pack("<12fH", 0, 0, 0, *numbers, 0) for numbers in triangles]
-    return bytes(80) + struct.pack("<I", len(faces)) + b"".join(packed)
-
-
-def obj(faces: Sequence[tuple[int, ...]], corners: Sequence[tuple[float, ...]] = CORNERS) -> bytes:
-    lines = ["v {} {} {}".format(*corner) for corner in corners]
-    return "\n".join([*lines, *("f {} {} {}".format(*(i + 1 for i in face)) for face in faces), ""]).encode()
-
-
-TRIANGLES = (
-    "<triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>"
-)
-VERTICES = "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices>"
-MESH = f"""<mesh><source id='p'><float_array id='a' count='12'>0 0 0 0.1 0 0 0 0.1 0 0 0 0.1</float_array>
-<technique_common><accessor source='#a' count='4' stride='3'><param name='X' type='float'/><param name='Y' type='float'/>
-<param name='Z' type='float'/></accessor></technique_common></source>{VERTICES}{TRIANGLES}</mesh>"""
-LIBRARY = f"<library_geometries><geometry id='g'>{MESH}</geometry></library_geometries>"
-SCENES = """<library_visual_scenes><visual_scene id='s'><node><instance_geometry url='#g'/></node></visual_scene>
-</library_visual_scenes>"""
-SCENE = "<scene><instance_visual_scene url='#s'/></scene>"
-COLLADA = f"""<?xml version='1.0'?>
-<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>
-<asset><unit meter='1'/><up_axis>Z_UP</up_axis></asset>{LIBRARY}{SCENES}{SCENE}</COLLADA>
-"""
+WHOLE = stl((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1), (0.1, 0.0, 0.0))
+TETRAHEDRON = b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 MESHES = {
-    "whole.stl": stl(FACES),
+    "whole.stl": WHOLE,
     "empty.stl": b"",
     "pointer.stl": POINTER,
-    "cut.stl": stl(FACES)[:-60],
-    "flat.stl": stl([(0, 1, 2), (0, 2, 3)], FLAT),
-    "whole.obj": obj(FACES),
+    "cut.stl": WHOLE[:-60],
+    "flat.stl": stl((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)),
+    "whole.obj": TETRAHEDRON,
     "empty.obj": b"",
     "pointer.obj": POINTER,
-    "flat.obj": obj([(0, 1, 2), (0, 2, 3)], FLAT),
-    "whole.dae": COLLADA.encode(),
+    "flat.obj": b"v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3\nf 1 3 4\n",
+    "whole.dae": collada().encode(),
     "empty.dae": b"",
-    "cut.dae": COLLADA[:500].encode(),
+    "cut.dae": collada()[:500].encode(),
 }
 """Mesh files, of which the whole ones are right."""
 

@@ -6,19 +6,20 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 import yaml
-from consumers import require
+from consumers import behaviours, require
 from faulty_files import MJCF, MODEL_PROOFS as PROOFS, SDF, SOUND_OF as SOUND, line_of, write_models
 from lxml import etree
-from model_consumers import outcomes
 
 from dh2urdf_check.models import CONSUMERS, inspect_mjcf, inspect_sdf, model_rules
 from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:
+    from consumers import Behaviour
+
     from dh2urdf.stages import Inspection
 
 
@@ -73,12 +74,12 @@ MEASURED = [(name, consumer) for name in CONSUMERS for consumer in CONSUMERS[nam
 
 
 @pytest.fixture(scope="module", params=MEASURED, ids="-".join)
-def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, str, dict[str, dict[str, Any]]]:
+def measured(request: pytest.FixtureRequest, files: dict[str, Path]) -> tuple[str, str, dict[str, Behaviour]]:
     """A format, a consumer, and what it does with every file of the format."""
     name, consumer = request.param
     require(consumer)
     mine = {rule: path for rule, path in files.items() if rule.startswith(name)}
-    return name, consumer, dict(zip(mine, outcomes(consumer, list(mine.values())), strict=True))
+    return name, consumer, dict(zip(mine, behaviours(consumer, list(mine.values())), strict=True))
 
 
 IGNORED = {
@@ -106,13 +107,11 @@ IGNORED = {
 
 
 @pytest.mark.long
-def test_the_table_says_what_happens(
-    files: dict[str, Path], measured: tuple[str, str, dict[str, dict[str, Any]]]
-) -> None:
+def test_the_table_says_what_happens(files: dict[str, Path], measured: tuple[str, str, dict[str, Behaviour]]) -> None:
     """A consumer refuses, crashes or loads as the table has it, and what it alters is other than of the sound file."""
     name, consumer, found = measured
     sound, wrong = found[name], []
-    assert sound["end"] == "loads"
+    assert sound.end == "loads"
     for rule in PROOFS:
         if not rule.startswith(name):
             continue
@@ -124,20 +123,21 @@ def test_the_table_says_what_happens(
         ends = {outcome.value for outcome in of.values() if outcome in {Outcome.REFUSES, Outcome.CRASHES}}
         end = min(ends, default="loads")
         behaviour = found[rule]
-        if behaviour["end"] != end:
-            wrong.append(f"{rule}: it {behaviour['end']}, and the table says that it {end}: {behaviour}")
-        if end != "loads" or behaviour["end"] != "loads":
+        if behaviour.end != end:
+            wrong.append(f"{rule}: it {behaviour.end}, and the table says that it {end}: {behaviour}")
+        if end != "loads" or behaviour.end != "loads":
             continue
-        printed = [line for line in behaviour["printed"].splitlines() if line not in sound["printed"]]
+        printed = [line for line in behaviour.printed.splitlines() if line not in sound.printed]
         text = next((effect.text for effect in model_rules(name)[rule].effects if effect.consumer == consumer), "")
         if ("with a message" in text or "says" in text) != bool(
             [line for line in printed if "expected a world" not in line]
         ):
             wrong.append(f"{rule}: it printed {printed}, and the table says {text!r}")
-        differs = any(behaviour.get(key) != sound.get(key) for key in ("masses", "joints"))
+        differs = (behaviour.masses, behaviour.joints) != (sound.masses, sound.joints)
+        differs |= behaviour.extra.get("axis") != sound.extra.get("axis")
         if of[rule] in {Outcome.ALTERS, Outcome.LOSES} and not differs and not printed and rule not in IGNORED:
             wrong.append(f"{rule}: it makes the same of it as of the sound file, and the table says {text!r}")
-        if not any(of.values()) and behaviour["masses"] != sound["masses"]:
+        if not any(of.values()) and behaviour.masses != sound.masses:
             wrong.append(f"{rule}: the table says nothing, and it makes {behaviour} of it")
     assert wrong == []
 
@@ -222,8 +222,7 @@ def test_what_is_no_part_of_a_model_is_no_fault(tmp_path: Path) -> None:
     path.write_text(WORLD)
     assert [finding.message for finding in inspect_sdf(path).findings] == []
     require("gazebo")
-    (found,) = outcomes("gazebo", [path])
-    assert found["end"] == "loads"
+    assert behaviours("gazebo", [path])[0].end == "loads"
     path.write_text(WORLD.replace("</plugin>", ""))
     (finding,) = inspect_sdf(path).findings
     assert (finding.rule, finding.message) == (

@@ -1,14 +1,16 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.source import Mark
 from dh2urdf.stages import Effect, Finding
-from dh2urdf_check.files import Inspections
-from dh2urdf_check.reports import Report, as_json, as_sarif, counts
+from dh2urdf_check.reports import as_sarif, counts
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 MILD = Effect(consumer="one", severity="note", text="says so")
 BAD = Effect(consumer="two", severity="warning", text="reads it otherwise")
@@ -45,9 +47,9 @@ def test_sarif_addresses_are_uris(tmp_path: Path) -> None:
     assert result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] == path.as_uri()
 
 
-def test_the_same_findings_are_the_same_bytes() -> None:
-    """No time and no order of chance is in either form."""
-    findings = [finding(MILD, BAD), finding(BAD, line=1)]
-    assert as_sarif(findings) == as_sarif(findings)
-    report = Report(Inspections((Path("a"),), 1, {}, tuple(findings)), findings, {})
-    assert as_json(report) == as_json(report)
+def test_a_finding_names_the_programs_in_which_it_was_seen() -> None:
+    """Each once, in the order of its effects; what is foretold names none."""
+    foretold = Effect(consumer="ros", severity="error", text="refuses the file")
+    seen = Effect(consumer="mujoco", severity="note", text="has no link", seen="MuJoCo 4.0.0")
+    assert Finding(rule="r", message="m", fix="f", effects=(foretold, seen, seen)).seen == ("MuJoCo 4.0.0",)
+    assert Finding(rule="r", message="m", fix="f", effects=(foretold,)).seen == ()

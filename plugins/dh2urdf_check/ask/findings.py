@@ -11,8 +11,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import yaml
-
 from dh2urdf.documents import read_bytes
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import Dh2UrdfError, InputError
@@ -22,11 +20,14 @@ from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_check.ask.asking import Answer, Asked, Asking, programs
 from dh2urdf_check.ask.comparing import Difference, differences, postures, unlike_meshes
-from dh2urdf_check.ask.places import JOINT, LINKS, At, Places, places_in
+from dh2urdf_check.ask.places import JOINT, LINKS, Places, owner_of
+from dh2urdf_check.rules import table
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+
+    from lxml import etree
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
@@ -34,19 +35,10 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Emitter, HeldRobot, Severity
 
 _UNCOMPARED = frozenset(
-    [
-        "dynamics",
-        "safety_controller",
-        "calibration",
-        "transmission",
-        "gazebo",
-        "sensor",
-        "ros2_control",
-        "material",
-        "color",
-        "texture",
-        "mesh",
-    ]
+    {
+        *("dynamics", "safety_controller", "calibration", "transmission", "gazebo", "sensor", "ros2_control"),
+        *("material", "color", "texture", "mesh"),
+    }
 )
 """Elements whose effects nobody can see in what the programs tell, other than that the file is refused."""
 _OF_JOINTS = frozenset({"seen-lost-joint", "seen-joint-type", "seen-axis", "seen-limit", "seen-mimic"})
@@ -77,8 +69,7 @@ class SeenRule(NamedTuple):
 @cache
 def seen_rules() -> dict[str, SeenRule]:
     """The kinds of facts by name, in the order of their table."""
-    table = yaml.safe_load(Path(__file__).parents[1].joinpath("rules", "seen.yaml").read_text("utf-8"))
-    return {name: SeenRule(**entry) for name, entry in table.items()}
+    return {name: SeenRule(**entry) for name, entry in table("seen").items()}
 
 
 class Given(NamedTuple):
@@ -168,7 +159,7 @@ def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path
         *_packages_above(content, Path(os.fspath(path)).absolute()).values(),
         *_named(content, path, packages),
     )
-    return Given(path, places_in(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
+    return Given(path, Places(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
 
 
 def _packages_above(content: bytes, path: Path) -> dict[str, Path]:
@@ -305,7 +296,7 @@ def _of_held(answer: Answer, held: HeldRobot, given: Given) -> Iterator[_Fact]:
         kind, name, mark = given.places.of_words(words)
         yield _Fact(answer, "seen-refused-part", kind, name, mark, f"loads the file without its {words}")
     if not (held.links or held.joints):
-        if any(each.owner in LINKS for each in given.places.elements):
+        if any(each.tag in LINKS for each in given.places.elements):
             text = "takes the file for an empty world: it has no link"
             yield _Fact(answer, "seen-empty-world", "", "", given.places.whole, text)
     elif given.own is not None:
@@ -318,20 +309,23 @@ def _of_difference(answer: Answer, each: Difference, places: Places) -> _Fact:
     return _Fact(answer, each.rule, kind, each.name, mark, each.text)
 
 
-def _fits(fact: _Fact, effect: Effect, finding: Finding, at: Sequence[At]) -> bool:
+def _fits(fact: _Fact, effect: Effect, finding: Finding, at: Sequence[etree._Element]) -> bool:
     """Whether something that was seen is what a rule foretells of an element."""
     is_named = bool(fact.name) and f"'{fact.name}'" in finding.message
     if fact.rule in {"seen-refusal", "seen-crash"}:
-        return effect.severity == "error" and (not fact.name or is_named or any(each.name == fact.name for each in at))
+        return effect.severity == "error" and (
+            not fact.name or is_named or any(owner_of(e)[1] == fact.name for e in at)
+        )
     tags = seen_rules()[fact.rule].at.split()
     return bool(fact.name) and any(
-        (each.name == fact.name or is_named) and (not tags or each.tag in (*tags, each.owner)) for each in at
+        (owner_of(each)[1] == fact.name or is_named) and (not tags or each.tag in (*tags, owner_of(each)[0]))
+        for each in at
     )
 
 
-def _is_settled(answer: Answer, effect: Effect, at: Sequence[At]) -> bool:
+def _is_settled(answer: Answer, effect: Effect, at: Sequence[etree._Element]) -> bool:
     """Whether a program has shown that it does not do what a rule foretells."""
-    inside = {tag for each in at for tag in (*each.above, each.tag)}
+    inside = {str(inner.tag) for each in at for inner in (each, *each.iterancestors())}
     if answer.end != "loads":
         return effect.severity != "error"
     if effect.severity != "error" and answer.held and not (answer.held.joints or any(answer.held.links.values())):

@@ -9,11 +9,13 @@ Each entry of such a file is the origin of a joint about z: T(q) = O_1 Rz(q1) â€
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import Z_AXIS
 from dh2urdf.source import Messages, did_you_mean
@@ -21,7 +23,7 @@ from dh2urdf_plugins.descriptions.description import Description
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Sequence
 
     from dh2urdf.documents import Node
 
@@ -45,42 +47,28 @@ class OriginFile(NamedTuple):
     """
 
     base: str
-    entries: dict[str, tuple[str, str]]
-    last: tuple[str, str]
-    above: tuple[str, ...] = ()
-    inside: tuple[str, ...] = ()
-    others: tuple[str, ...] = ()
+    entries: dict[str, list[str]]
+    last: list[str]
+    above: Sequence[str] = ()
+    inside: Sequence[str] = ()
+    others: Sequence[str] = ()
     suffix: str = ""
 
 
-_UR_JOINTS = {"shoulder": "shoulder_pan", "upper_arm": "shoulder_lift", "forearm": "elbow"}
-UR = OriginFile(
-    base="base",
-    entries={
-        name: (f"{_UR_JOINTS.get(name, name)}_joint", f"{name}_link")
-        for name in (*_UR_JOINTS, "wrist_1", "wrist_2", "wrist_3")
-    },
-    last=(f"{TOOL}_joint", TOOL),
-    above=("kinematics",),
-    others=("hash",),
-    suffix="_calibration",
-)
-"""With the names of `ur_description`."""
-FRANKA = OriginFile(
-    base="link0",
-    entries={f"joint{number}": (f"joint{number}", f"link{number}") for number in range(1, 9)},
-    last=("joint8", "link8"),
-    inside=("kinematic",),
-)
-"""With the names of `franka_description`, without the prefix of the arm."""
+MAKERS = {
+    name: OriginFile(**form)
+    for name, form in tomllib.loads((Path(__file__).parent / "origin_files.toml").read_text("utf-8")).items()
+}
+"""How makers write such files, by the names of the readers."""
 
 
-def origins_description(path: Path, form: OriginFile) -> Description:
-    """The description of a chain of origins, as its maker writes it.
+def origins_description(path: Path, maker: str) -> Description:
+    """The description of a chain of origins, as a maker writes it.
 
     Raises:
         TableError: the file cannot be read, or lacks an entry or a number.
     """
+    form = MAKERS[maker]
     node, place = load_yaml(read_bytes(path, TableError, limit=LARGEST), str(path), TableError), ""
     for key in form.above:
         node, place = _entries(node, (key,), place)[key], key
@@ -97,7 +85,7 @@ def origins_description(path: Path, form: OriginFile) -> Description:
     joints = [
         Joint(
             name=name,
-            type=JointType.FIXED if (name, link) == form.last else JointType.REVOLUTE,
+            type=JointType.FIXED if [name, link] == form.last else JointType.REVOLUTE,
             parent=parent,
             child=link,
             origin=origin,
@@ -122,7 +110,7 @@ def _number(node: Node, place: str) -> float:
     return float(value)
 
 
-def _entries(node: Node, wanted: tuple[str, ...], place: str, others: tuple[str, ...] = ()) -> dict[str, Node]:
+def _entries(node: Node, wanted: Sequence[str], place: str, others: Sequence[str] = ()) -> dict[str, Node]:
     """The entries of a mapping, in the order in which they are wanted.
 
     Raises:

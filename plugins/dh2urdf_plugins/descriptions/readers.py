@@ -94,10 +94,10 @@ def _described(form: str, path: Path, options: DescriptionOptions) -> Descriptio
         from dh2urdf_plugins.descriptions.screws import screws_description
 
         return screws_description(path)
-    if form in ("ur-kinematics", "franka-kinematics"):
-        from dh2urdf_plugins.descriptions.origin_files import FRANKA, UR, origins_description
+    if form.endswith("-kinematics"):
+        from dh2urdf_plugins.descriptions.origin_files import origins_description
 
-        return origins_description(path, UR if form == "ur-kinematics" else FRANKA)
+        return origins_description(path, form)
     from dh2urdf.stages import Expansion
     from dh2urdf_plugins.descriptions.description import describe
 

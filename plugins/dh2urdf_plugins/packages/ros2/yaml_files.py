@@ -7,7 +7,9 @@ ROS parameters are typed, and xacro reads YAML as numbers: each real number is w
 from __future__ import annotations
 
 import re
+from functools import cache
 from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
@@ -54,6 +56,14 @@ def _filled(template: str, content: Mapping[str, Any], **words: str) -> bytes:
         _plain(content), Dumper=Dumper, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
     )
     return filled(f"ros2/templates/{template}", CONTENT=written.removesuffix("\n"), **words).encode()
+
+
+@cache
+def _fixed_values() -> dict[str, Any]:
+    """What is the same in the files of every package."""
+    import yaml
+
+    return yaml.safe_load((Path(__file__).parent / "fixed_values.yaml").read_text("utf-8"))  # type: ignore[no-any-return]
 
 
 def is_no_text(word: str) -> bool:
@@ -163,22 +173,13 @@ def arm_joints(robot: Robot) -> list[ArmJoints]:
 
 def controllers(arms: Sequence[ArmJoints]) -> bytes:
     """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states."""
-    trajectory = {"type": "joint_trajectory_controller/JointTrajectoryController"}
-    manager: dict[str, Any] = {
-        "update_rate": UPDATE_RATE,
-        "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},
-        **{controller_name(prefix): dict(trajectory) for prefix, _ in arms},
-    }
+    fixed, name = _fixed_values(), "joint_state_broadcaster"
+    manager: dict[str, Any] = {"update_rate": UPDATE_RATE, name: fixed[name]}
     content: dict[str, Any] = {"controller_manager": {"ros__parameters": manager}}
     for prefix, joints in arms:
-        content[controller_name(prefix)] = {
-            "ros__parameters": {
-                "joints": [f"{prefix}{joint.name}" for joint in joints],
-                "command_interfaces": ["position"],
-                "state_interfaces": ["position", "velocity"],
-                "allow_nonzero_velocity_at_trajectory_end": False,
-            }
-        }
+        manager[controller_name(prefix)] = fixed["trajectory_controller"]
+        names = [f"{prefix}{joint.name}" for joint in joints]
+        content[controller_name(prefix)] = {"ros__parameters": {"joints": names, **fixed["trajectory_parameters"]}}
     return _filled("ros2_controllers.yaml", content)
 
 
@@ -187,14 +188,10 @@ def controllers(arms: Sequence[ArmJoints]) -> bytes:
 
 def kinematics(groups: Sequence[Group]) -> bytes:
     """``kinematics.yaml``: a solver for each group that is a chain."""
-    solvers: dict[str, dict[str, Any]] = {}
-    for group in groups:
-        solvers[group.name] = {
-            "kinematics_solver": "kdl_kinematics_plugin/KDLKinematicsPlugin",
-            "kinematics_solver_search_resolution": 0.005,
-            "kinematics_solver_timeout": 0.05,
-            **({"position_only_ik": True} if len(group.joints) < SPACE else {}),
-        }
+    solver = _fixed_values()["solver"]
+    solvers = {
+        group.name: {**solver, **({"position_only_ik": True} if len(group.joints) < SPACE else {})} for group in groups
+    }
     return _filled("kinematics.yaml", solvers)
 
 
@@ -210,20 +207,15 @@ def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> byte
             "has_acceleration_limits": True,
             "max_acceleration": default if acceleration is None else float(acceleration),
         }
-    scaling = {f"default_{what}_scaling_factor": 0.1 for what in ("velocity", "acceleration")}
-    return _filled("planning_limits.yaml", {**scaling, "joint_limits": limits})
+    return _filled("planning_limits.yaml", {**_fixed_values()["scaling"], "joint_limits": limits})
 
 
 def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
     """``moveit_controllers.yaml``: the trajectory controllers of ros2_control, as MoveIt calls them."""
     manager: dict[str, Any] = {"controller_names": [controller_name(prefix) for prefix, _ in arms]}
     for prefix, joints in arms:
-        manager[controller_name(prefix)] = {
-            "type": "FollowJointTrajectory",
-            "action_ns": "follow_joint_trajectory",
-            "default": True,
-            "joints": [f"{prefix}{joint.name}" for joint in joints],
-        }
+        names = [f"{prefix}{joint.name}" for joint in joints]
+        manager[controller_name(prefix)] = {**_fixed_values()["moveit_controller"], "joints": names}
     plugin = f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager"
     return _filled("moveit_controllers.yaml", {"moveit_controller_manager": plugin, CONTROLLER_MANAGER: manager})
 

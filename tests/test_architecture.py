@@ -414,7 +414,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 270,
     "plugins/dh2urdf_plugins/collision_pairs": 490,
-    "plugins/dh2urdf_plugins/descriptions": 1470,
+    "plugins/dh2urdf_plugins/descriptions": 1450,
     "plugins/dh2urdf_plugins/edits": 530,
     "plugins/dh2urdf_plugins/executors": 520,
     "plugins/dh2urdf_plugins/extraction": 1090,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -13,41 +13,11 @@ from dh2urdf_plugins.formats.mjcf.reader import read_mjcf
 from dh2urdf_plugins.formats.sdf.reader import read_sdf
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-ARM = {
-    "urdf": """<robot name="arm">
-<link name="base"/>
-<link name="upper">
-<inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
-<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>
-<collision><geometry><mesh filename="a.stl" scale="1 1 1"/></geometry></collision>
-</link>
-<link name="tool0"/>
-<joint name="lift" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/>
-<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="10" velocity="1"/></joint>
-<joint name="hold" type="fixed"><parent link="upper"/><child link="tool0"/><origin xyz="0.2 0 0"/></joint>
-</robot>""",
-    "sdf": """<sdf version="1.9"><model name="arm">
-<link name="base"/>
-<link name="upper"><pose>0 0 0.3 0 0 0</pose>
-<inertial><mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>
-<visual name="v"><geometry><box><size>0.1 0.1 0.1</size></box></geometry></visual>
-</link>
-<joint name="hold" type="fixed"><parent>world</parent><child>base</child></joint>
-<joint name="lift" type="revolute"><parent>base</parent><child>upper</child>
-<axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis></joint>
-<frame name="tool0" attached_to="upper"><pose>0.2 0 0 0 0 0</pose></frame>
-</model></sdf>""",
-    "mjcf": """<mujoco><worldbody>
-<body name="upper" pos="0 0 0.3"><joint name="lift" axis="0 1 0" range="-1 1"/>
-<inertial pos="0 0 0" mass="2" diaginertia="0.1 0.1 0.1"/>
-<geom type="box" size="0.05 0.05 0.05"/>
-<site name="tool0" pos="0.2 0 0"/></body></worldbody></mujoco>""",
-}
 STRICT = {"urdf": read_urdf, "sdf": read_sdf, "mjcf": read_mjcf}
 SUFFIX = {"urdf": "urdf", "sdf": "sdf", "mjcf": "xml"}
+ARM = {
+    form: (Path(__file__).parent / "files" / f"sound.{suffix}").read_text("utf-8") for form, suffix in SUFFIX.items()
+}
 Q = [0.4]
 
 

@@ -2,54 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
 from dh2urdf_plugins.formats import foreign_urdf
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-URDF = """<?xml version="1.0"?>
-<robot name="arm">
-  <mujoco><compiler discardvisual="false"/></mujoco>
-  <link name="base"/>
-  <link name="arm"><sensor name="eye" type="camera"/></link>
-  <joint name="hip" type="revolute">
-    <parent link="base"/><child link="arm"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>
-    <limit lower="-1" upper="1" effort="1" velocity="1" acceleration="3"/><dynamics damping="1" spring_stiffness="2"/>
-    <safety_controller k_velocity="20" soft_lower_limit="-0.9"/><calibration rising="0.1"/>
-  </joint>
-  <transmission name="t"><type>simple</type></transmission>
-  <transmission name="u"><type>simple</type></transmission>
-  <gazebo reference="arm"><sensor name="touch" type="contact"/></gazebo>
-  <ros2_control name="drive" type="system"/>
-</robot>
-"""
-SDF = """<sdf version="1.9"><model name="m"><link name="a"/>
-  <link name="b"><pose>0 0 1 0 0 0</pose><sensor name="s" type="imu"/></link>
-  <joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz>
-    <dynamics><spring_stiffness>3</spring_stiffness></dynamics></axis></joint>
-  <joint name="k" type="fixed"><parent>world</parent><child>a</child><sensor name="f" type="force_torque"/></joint>
-  <plugin filename="p" name="p"><sensor/></plugin></model>
-  <model name="other"><link name="c"><sensor name="s" type="imu"/></link></model></sdf>"""
-MJCF = """<mujoco><default><general forcerange="-87 87"/>
-    <default class="wrist"><position forcerange="-12 10"/></default><default class="soft"><joint stiffness="2"/></default></default>
-  <worldbody><body><joint name="a"/><geom size="1"/><camera name="eye"/>
-    <body pos="0 0 1"><joint name="b" axis="0 1 0" class="soft"/><geom size="1"/>
-    <body pos="0 0 1"><joint name="c" axis="0 1 0"/><geom size="1"/><site name="s"/>
-    <body pos="0 0 1"><joint name="d" axis="0 1 0"/><geom size="1"/>
-    <body pos="0 0 1"><joint name="e" axis="0 1 0"/><geom size="1"/>
-    <body name="tool0" pos="0 0 1"><joint name="f" axis="0 1 0" actuatorfrcrange="-4 4"/><geom size="1"/>
-    </body></body></body></body></body></body></worldbody>
-  <tendon><fixed name="t"><joint joint="d" coef="1"/></fixed></tendon>
-  <actuator><position name="a" joint="a" kp="10"/><motor name="b" joint="b" gear="-50" ctrlrange="-1 0.5" forcelimited="false"/>
-    <position name="c" class="wrist" joint="c" gear="2"/>
-    <motor name="d" tendon="t"/><motor joint="e"/><motor joint="e"/><motor joint="f"/></actuator>
-  <sensor><jointpos joint="a"/><gyro site="s"/></sensor>
-  <keyframe><key qpos="0 0 0 0 0 0"/></keyframe></mujoco>"""
+URDF, SDF, MJCF = (
+    (Path(__file__).parent / "files" / f"left_out.{suffix}").read_text("utf-8") for suffix in ("urdf", "sdf", "xml")
+)
 
 
 def noticed(path: Path, text: str) -> tuple[dh2urdf.Manipulator, list[str]]:

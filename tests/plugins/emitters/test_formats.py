@@ -141,17 +141,8 @@ def test_an_arm_with_one_of_everything_reads_back(arm: Robot, emitter: Emitter[A
 def test_cells_read_back(cli: Callable[..., Any], emitter: Emitter[Any], tmp_path: Path) -> None:
     """In a cell, an arm on another arm included, every tool0 is proved from the world."""
     for config in ("pair", "ur5_on_track"):
-        answer = cli(
-            "run",
-            CONFIGS / f"{config}.yaml",
-            "-o",
-            tmp_path,
-            "--json",
-            "--set",
-            f"emitters=[{emitter.name}]",
-            "--set",
-            "loaders=[]",
-        )
+        words = ("--json", "--set", f"emitters=[{emitter.name}]", "--set", "loaders=[]")
+        answer = cli("run", CONFIGS / f"{config}.yaml", "-o", tmp_path, *words)
         assert '"status": "ok"' in answer.stdout or '"status":"ok"' in answer.stdout
         assert "failed" not in answer.stdout
 

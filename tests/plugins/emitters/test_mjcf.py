@@ -207,15 +207,6 @@ def test_the_rotors_are_felt(arm: Robot) -> None:
         assert (model.body_gravcomp.any(), model.jnt_actgravcomp.any()) == ((actuators == "position",) * 2)
 
 
-def test_colours_and_groups(arm: Robot) -> None:
-    """What is seen has its colour and touches nothing; what touches is in group 3, which the viewer does not show."""
-    model = model_of(without_meshes(arm))
-    first = model.body("link_1").geomadr[0]
-    assert model.geom_rgba[first] == pytest.approx([1, 0.5, 0, 1])
-    assert [int(model.geom_contype[first + k]) for k in range(3)] == [0, 0, 1]
-    assert [int(model.geom_group[first + k]) for k in range(3)] == [1, 1, 3]
-
-
 def test_meshes_are_assets(arm: Robot) -> None:
     """A mesh file is named once, however many shapes are made of it."""
     mesh = arm.links[3].visuals[0]

@@ -145,18 +145,8 @@ def test_a_cell_is_the_same_in_both(cli: Callable[..., Any], tmp_path: Path, pro
     """Of a cell with an arm on another, URDF and expanded xacro have the same elements; both are proved by the run."""
     emitters = f"emitters=[{{stage: urdf, options: {{profile: {profile}}}}}, {{stage: xacro, options: {{profile: {profile}}}}}]"
     transform = "transform={stage: alpha-swap, options: {base_collision: true}}"
-    cli(
-        "run",
-        CONFIGS / "ur5_on_track.yaml",
-        "-o",
-        tmp_path,
-        "--set",
-        emitters,
-        "--set",
-        "loaders=[]",
-        "--set",
-        transform,
-    )
+    words = ("--set", emitters, "--set", "loaders=[]", "--set", transform)
+    cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, *words)
     found = ET.fromstring(expand(tmp_path / "ur5_on_track.urdf.xacro"))  # noqa: S314
     wanted = ET.parse(tmp_path / "ur5_on_track.urdf").getroot()  # noqa: S314
     assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))

@@ -146,14 +146,6 @@ def test_the_file_to_open_mounts_the_arm_where_its_arguments_say(arm: Robot, tmp
     assert parse_urdf(expand(tmp_path / "arm.urdf.xacro"), "arm").root == "base_link"
 
 
-def test_without_a_parent_there_is_no_mounting_joint(arm: Robot, tmp_path: Path) -> None:
-    """The default is an arm whose base_link is the root."""
-    write(arm, tmp_path)
-    body = '<xacro:include filename="arm_macro.xacro"/><xacro:arm prefix=""><origin xyz="1 0 0"/></xacro:arm>'
-    robot = scene(tmp_path, body)
-    assert [joint.name for joint in robot.joints] == [joint.name for joint in arm.joints]
-
-
 def test_the_mounting_joint_takes_no_name_of_the_table(arm: Robot, tmp_path: Path) -> None:
     """A joint or link may be called base_joint."""
     joints = tuple(replace(joint, name="base_joint") if joint.name == "lift" else joint for joint in arm.joints)
@@ -231,14 +223,11 @@ def test_a_file_name_is_no_expression_and_no_pattern(
     ("robot", "stem", "macro"),
     [
         ("ur5", "x", "ur5"),
-        ("_UR-10e", "x", "_UR-10e"),
-        ("my arm", "my_arm", "my_arm"),
         ("my arm", "my arm", "my_arm"),
         ("机械臂", "robot_3", "robot_3"),
         ("ur5.v2", "ur5.v2", "ur5_v2"),
         ("2link", "2link", "_2link"),
         ("include", "include", "_include"),
-        ("call", "call", "_call"),
         ("", "", "_"),
     ],
 )
@@ -257,14 +246,9 @@ def test_a_macro_name_is_always_a_tag(robot: str, stem: str) -> None:
 @pytest.mark.parametrize(
     ("angle", "text"),
     [
-        (0.0, "0"),
         (-0.0, "0"),
-        (math.pi, "${pi}"),
         (-math.pi, "${-pi}"),
         (2 * math.pi, "${2*pi}"),
-        (math.pi / 2, "${pi/2}"),
-        (-3 * math.pi / 2, "${-3*pi/2}"),
-        (math.pi / 3, "${pi/3}"),
         (-3 * math.pi / 4, "${-3*pi/4}"),
         (math.radians(30), "${pi/6}"),
         (1.5708, "1.5708"),

@@ -162,12 +162,8 @@ def test_limits_and_masses_come_from_files(package: Any) -> None:
     """Another file of limits changes the limits, another one of masses the masses."""
     folder, robot, _ = package("ur5.csv", "dh")
     limits = yaml.safe_load((folder / "config" / "joint_limits.yaml").read_text())
-    limits["joint_limits"]["elbow_joint"] = {
-        "min_position": -1.0,
-        "max_position": 2.0,
-        "max_velocity": 0.5,
-        "max_effort": 7.0,
-    }
+    numbers = {"min_position": -1.0, "max_position": 2.0, "max_velocity": 0.5, "max_effort": 7.0}
+    limits["joint_limits"]["elbow_joint"] = numbers
     bodies = yaml.safe_load((folder / "config" / "physical_parameters.yaml").read_text())
     bodies["links"][robot.links[4].name]["mass"] = 99.5
     for name, content in (("limits", limits), ("bodies", bodies)):
@@ -374,10 +370,8 @@ def test_moveit_does_not_start_with_joints_that_are_no_texts() -> None:
     assert not [notice for notice in gives.notices(robot, Ros2Options()) if "launch_ros" in notice.message]
 
 
-@pytest.mark.parametrize(
-    ("prefix", "proposed"), [("left-arm_", "left_arm_"), ("1_", "arm_1_"), ("ö-", None), ("a.", None)]
-)
-def test_a_prefix_that_no_node_can_have(tmp_path: Path, prefix: str, proposed: str | None) -> None:
+@pytest.mark.parametrize("prefix", ["left-arm_", "1_"])
+def test_a_prefix_that_no_node_can_have(tmp_path: Path, prefix: str) -> None:
     """A controller is a node, whose name begins with the prefix of its arm; without controllers any prefix will do."""
     run = {
         "inputs": str(CONFIGS / "tables" / "ur5.csv"),
@@ -387,12 +381,9 @@ def test_a_prefix_that_no_node_can_have(tmp_path: Path, prefix: str, proposed: s
         "report": {"html": False},
     }
     (failed,) = [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]
-    problem = failed["errors"][0]
-    if proposed:
-        assert "has a prefix that no controller of ROS can be named with" in problem["message"]
-        assert f"set `prefix: {proposed}` for the arm of the cell" in problem["message"]
-        run["emitters"] = [{"stage": "ros2", "options": {"hardware": "none"}}]
-        assert not [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]
+    assert failed["errors"][0]["found"] == prefix
+    run["emitters"] = [{"stage": "ros2", "options": {"hardware": "none"}}]
+    assert not [each for each in dh2urdf.run(run)["manipulators"] if each["status"] == "failed"]
 
 
 def test_the_readme_names_any_robot(cli: Any, tmp_path: Path) -> None:

@@ -118,17 +118,7 @@ def test_catkin_pkg_accepts_package_xml_without_a_warning(cli: Cli, tmp_path: Pa
         assert printed.strip() == f"[] {name} ament_cmake"
 
 
-EMAILS = [
-    "a@b.co",
-    "a.b+c_d%e@x-y.lab.org",
-    "ada",
-    "ada@lab",
-    "Ada <ada@lab.org>",
-    "a@b.co, c@d.co",
-    "ä@b.co",
-    "a..b@c.de",
-    "a@b.c",
-]
+EMAILS = ["a.b+c_d%e@x-y.lab.org", "ada", "ada@lab", "Ada <ada@lab.org>", "a@b.co, c@d.co", "ä@b.co", "a..b@c.de"]
 TEXTS = ["Ada Lovelace", "Ünal & <Söhne>", " ", "\t\n"]
 
 
@@ -154,16 +144,6 @@ def test_what_catkin_pkg_refuses_is_refused(option: str, text: str, tmp_path: Pa
         assert caught.value.problems[0].field == option
     else:
         Ros2Options(**given)
-
-
-@pytest.mark.parametrize("option", ["maintainer", "email", "license"])
-def test_a_text_that_no_manifest_holds_writes_nothing(option: str, cli: Cli, tmp_path: Path) -> None:
-    """The command fails before a file is written, and names the option."""
-    told = cli(
-        "convert", TABLES / "ur5.csv", "--to", "ros2", "-o", tmp_path / "src", "--set", f"{option}=a\x01b", status=2
-    )
-    assert f"package.xml cannot have this {option}" in told.stderr
-    assert not (tmp_path / "src").exists()
 
 
 def test_a_package_goes_into_a_folder(cli: Cli, tmp_path: Path) -> None:
@@ -212,23 +192,10 @@ def test_meshes_are_files_of_the_package(cli: Cli, tmp_path: Path) -> None:
     """They are named by package:// addresses, and no copies lie beside the package."""
     triangle = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
     (tmp_path / "part.obj").write_text(triangle)
-    table = {
-        "convention": "standard",
-        "joints": [
-            {
-                "name": "hip",
-                "a": 0.4,
-                "alpha": 0.0,
-                "d": 0.1,
-                "visual": "part.obj",
-                "collision": "part.obj",
-                "mass": 1.0,
-                "com": [0, 0, 0],
-                "inertia": {"ixx": 0.1, "iyy": 0.1, "izz": 0.1},
-            }
-        ],
-    }
-    (tmp_path / "arm.yaml").write_text(yaml.safe_dump(table))
+    (tmp_path / "arm.yaml").write_text(
+        "convention: standard\njoints: [{name: hip, a: 0.4, alpha: 0, d: 0.1, visual: part.obj, collision: part.obj, "
+        "mass: 1, com: [0, 0, 0], inertia: {ixx: 0.1, iyy: 0.1, izz: 0.1}}]\n"
+    )
     cli("convert", tmp_path / "arm.yaml", "--to", "ros2", "-o", tmp_path / "src")
     folder = tmp_path / "src" / "arm_description"
     assert [path.name for path in (tmp_path / "src").iterdir()] == ["arm_description"]

@@ -5,11 +5,8 @@ from __future__ import annotations
 import importlib.util
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +25,9 @@ if TYPE_CHECKING:
 
 
 SAME = 1e-12
+needs_toolbox = pytest.mark.skipif(
+    not importlib.util.find_spec("roboticstoolbox"), reason="roboticstoolbox-python is not installed"
+)
 OCTAVE = shutil.which("octave-cli")
 SHIM = Path(__file__).with_name("octave")
 
@@ -40,61 +40,7 @@ def vectors(arm: Manipulator) -> Iterator[list[float]]:
         yield generator.uniform(-2.0, 2.0, len(arm.moving_rows)).tolist()
 
 
-def foldable(arm: Manipulator) -> bool:
-    """Whether fixed rows are at the ends only."""
-    kinds = "".join("F" if row.type is JointType.FIXED else "M" for row in arm.rows)
-    return "F" not in kinds.strip("F") and "M" in kinds
-
-
 # --- Robotics Toolbox for Python
-
-
-class Link:
-    """A link as the documentation of the toolbox has it: A of ±q + offset."""
-
-    def __init__(self, *, mdh: bool, sliding: bool, **said: Any) -> None:
-        self.mdh, self.sliding = mdh, sliding
-        self.said = {"theta": 0.0, "d": 0.0, "offset": 0.0, "flip": False, **said}
-
-    def A(self, q: float) -> NDArray[np.float64]:  # noqa: N802 - its name in the toolbox
-        variable = (-q if self.said["flip"] else q) + self.said["offset"]
-        theta, d = (self.said["theta"], variable) if self.sliding else (variable, self.said["d"])
-        a, alpha = self.said["a"], self.said["alpha"]
-        ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
-        if self.mdh:
-            rows = [[ct, -st, 0, a], [st * ca, ct * ca, -sa, -sa * d], [st * sa, ct * sa, ca, ca * d], [0, 0, 0, 1]]
-        else:
-            rows = [[ct, -st * ca, st * sa, a * ct], [st, ct * ca, -ct * sa, a * st], [0, sa, ca, d], [0, 0, 0, 1]]
-        return np.array(rows, dtype=float)
-
-
-class Recorder:
-    """Stands in for `DHRobot`."""
-
-    def __init__(self, links: list[Link], *, name: str, base: Any = None, tool: Any = None) -> None:
-        self.links, self.name = links, name
-        self.base, self.tool = (np.eye(4) if each is None else each for each in (base, tool))
-
-    def fkine(self, q: Sequence[float]) -> SimpleNamespace:
-        pose = self.base
-        for link, value in zip(self.links, q, strict=True):
-            pose = pose @ link.A(value)
-        return SimpleNamespace(A=pose @ self.tool)
-
-
-@pytest.fixture
-def recorded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Modules of the names of the toolbox's, which record what they are given."""
-    toolbox, maths = ModuleType("roboticstoolbox"), ModuleType("spatialmath")
-    kinds: dict[str, Any] = {
-        f"{kind}{form}": partial(Link, sliding=kind == "Prismatic", mdh=form == "MDH")
-        for kind in ("Revolute", "Prismatic")
-        for form in ("DH", "MDH")
-    }
-    vars(toolbox).update(kinds, DHRobot=Recorder)
-    vars(maths).update(SE3=lambda matrix, **_: matrix)
-    monkeypatch.setitem(sys.modules, "roboticstoolbox", toolbox)
-    monkeypatch.setitem(sys.modules, "spatialmath", maths)
 
 
 def executed(*arms: Manipulator) -> dict[str, Any]:
@@ -104,81 +50,44 @@ def executed(*arms: Manipulator) -> dict[str, Any]:
     return scope
 
 
-class TestRecorded:
-    """The code is run with a stand-in for the toolbox."""
+@needs_toolbox
+def test_several_arms(arm: Manipulator) -> None:
+    """Each has a variable of its own name."""
+    scope = executed(arm, replace(arm, name="Pi"), replace(arm, name="3"), replace(arm, name="3"))
+    names = [name for name, value in scope.items() if type(value).__name__ == "DHRobot"]
+    assert names == ["one_of_everything", "pi_2", "robot_3", "robot_3_2"]
 
-    @pytest.fixture(autouse=True)
-    def _stand_in(self, recorded: None) -> None:
-        """Every test has the stand-in."""
 
-    def test_pose_of_every_feature(self, arm: Manipulator) -> None:
-        """Signs, offsets, prismatic joints, fixed rows at the ends, base and tool, in both conventions."""
-        robot = executed(arm)["robot"]
-        for q in vectors(arm):
-            assert np.abs(robot.fkine(q).A - product(arm, q)).max() <= SAME
-
-    def test_pose_of_a_published_robot(self, reference_robot: ReferenceRobot) -> None:
-        """The code of each published table."""
-        arm = reference_robot.manipulator
-        assert foldable(arm)
-        robot = executed(arm)["robot"]
-        for q in vectors(arm):
-            expected = product(arm, q)
-            assert np.abs(robot.fkine(q).A - expected).max() <= SAME * max(1.0, np.abs(expected).max())
-
-    def test_limits_and_dynamics(self, arm: Manipulator) -> None:
-        """What a table declares about a row is said of its link, in the units of the toolbox; nothing else is."""
-        turn, slide, spin, _ = executed(arm)["robot"].links
-        assert turn.said["qlim"] == [arm.rows[1].limits.lower, arm.rows[1].limits.upper]
-        assert slide.said["qlim"] == [0, 0.75]
-        assert (turn.said["m"], turn.said["r"], turn.said["G"], turn.said["Jm"]) == (2, [0.1, -0.2, 0.3], 1, 0.125)
-        assert (turn.said["B"], turn.said["Tc"]) == (0.5, [0.25, -0.25])
-        assert turn.said["I"].tolist() == [[0.3, 0.01, -0.02], [0.01, 0.4, 0.03], [-0.02, 0.03, 0.5]]
-        assert {"qlim", "m", "r", "I", "G", "Jm", "B", "Tc"}.isdisjoint(spin.said)
-
-    def test_several_arms(self, arm: Manipulator) -> None:
-        """Each has a variable of its own name."""
-        scope = executed(arm, replace(arm, name="Pi"), replace(arm, name="3"), replace(arm, name="3"))
-        assert [name for name, value in scope.items() if isinstance(value, Recorder)] == [
-            "one_of_everything",
-            "pi_2",
-            "robot_3",
-            "robot_3_2",
-        ]
-
-    def test_names_are_texts(self, arm: Manipulator) -> None:
-        """A name with quotes, backslashes and breaks stays a text."""
-        name = 'a"""\\ b\n' + "'"
-        rows = (replace(arm.rows[1], link=name), *arm.rows[2:])
-        robot = executed(replace(arm, name=name, rows=rows))["robot"]
-        assert (robot.name, robot.links[0].said["name"]) == (name, name)
+@needs_toolbox
+def test_names_are_texts(arm: Manipulator) -> None:
+    """A name with quotes, backslashes and breaks stays a text."""
+    name = 'a"""\\ b\n' + "'"
+    rows = (replace(arm.rows[1], link=name), *arm.rows[2:])
+    robot = executed(replace(arm, name=name, rows=rows))["robot"]
+    assert robot.name == name
 
 
 def test_a_fixed_row_between_joints_is_refused(arm: Manipulator) -> None:
     """Every link of a DHRobot moves."""
     fixed = DHRow(joint="between", link="b", type=JointType.FIXED, a=0.1, alpha=0.0, d=0.0)
-    with pytest.raises(EmitterError, match="a row between two joints is fixed") as caught:
-        toolbox_file([replace(arm, rows=(*arm.rows[:2], fixed, *arm.rows[2:]))])
-    assert caught.value.problems[0].found == "between"
-    with pytest.raises(EmitterError, match="no row of the table does"):
-        toolbox_file([replace(arm, rows=(fixed,))])
+    for rows, code in (((*arm.rows[:2], fixed, *arm.rows[2:]), "fixed-row-between"), ((fixed,), "nothing-moves")):
+        with pytest.raises(EmitterError) as caught:
+            toolbox_file([replace(arm, rows=rows)])
+        assert (caught.value.problems[0].code, caught.value.problems[0].found) == (code, "between")
 
 
 def test_what_code_has_no_place_for(arm: Manipulator) -> None:
     """It is named; an arm without it gives no notice."""
     rows = (replace(arm.rows[0], mass=1.0), replace(arm.rows[1], limits=replace(arm.rows[1].limits, effort=5.0)))
     given = replace(arm, rows=rows, base_mass=3.0)
-    assert [notice.message for notice in left_out_of_code("roboticstoolbox", [given])] == [
-        "a DHRobot has no place for effort, base mass: left out",
-        "a DHRobot has no fixed links: the masses of fixed rows are left out",
-    ]
-    assert [notice.message for notice in left_out_of_code("matlab", [given])] == [
-        "a rigidBodyTree has no place for effort, damping, friction, armature, base mass: left out"
-    ]
+    codes = [notice.code for notice in left_out_of_code("roboticstoolbox", [given])]
+    assert codes == ["no-place-in-code", "fixed-masses-left-out"]
+    (notice,) = left_out_of_code("matlab", [given])
+    assert all(word in notice.message for word in ("effort", "damping", "friction", "armature", "base mass"))
     assert not list(left_out_of_code("roboticstoolbox", [arm]))
 
 
-@pytest.mark.skipif(not importlib.util.find_spec("roboticstoolbox"), reason="roboticstoolbox-python is not installed")
+@needs_toolbox
 def test_the_toolbox_itself(arm: Manipulator, reference_robots: Sequence[ReferenceRobot]) -> None:
     """`fkine` of the toolbox is T(q) of the table, of every published robot too; limits and masses arrive."""
     for each in (arm, *(robot.manipulator for robot in reference_robots)):
@@ -187,7 +96,8 @@ def test_the_toolbox_itself(arm: Manipulator, reference_robots: Sequence[Referen
             expected = product(each, q)
             assert np.abs(robot.fkine(q).A - expected).max() <= SAME * max(1.0, np.abs(expected).max())
     link = executed(arm)["robot"].links[0]
-    assert (link.m, link.Jm, link.G, link.B) == (2, 0.125, 1, 0.5)
+    assert (link.m, link.Jm, link.G, link.B, link.Tc.tolist()) == (2, 0.125, 1, 0.5, [0.25, -0.25])
+    assert (link.r.tolist(), link.qlim.tolist()) == ([0.1, -0.2, 0.3], [arm.rows[1].limits.lower, 2.0])
     assert link.I.tolist() == [[0.3, 0.01, -0.02], [0.01, 0.4, 0.03], [-0.02, 0.03, 0.5]]
 
 

@@ -24,7 +24,7 @@ from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable
+    from collections.abc import Callable, Iterable
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
@@ -123,7 +123,12 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     async def studio() -> None:
         dress()
         ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
-        await _unless_left(StudioPage(await sessions.of_this_tab(), meshes).start())
+        client = ui.context.client
+        try:
+            await StudioPage(await sessions.of_this_tab(), meshes).start()
+        except TimeoutError:  # a page that was closed or loaded anew on the way answers no more, and nothing is lost
+            if client.has_socket_connection:
+                raise
 
 
 def _serve(meshes: MeshStore) -> None:
@@ -161,16 +166,6 @@ def build_view(first: View, meshes: MeshStore) -> None:
     async def view() -> None:
         dress()
         await ViewPage(await views.of_this_tab(), live).start()
-
-
-async def _unless_left(start: Awaitable[None]) -> None:
-    """Shows a page; one that was closed or loaded anew on the way answers no more, and nothing is lost."""
-    client = ui.context.client
-    try:
-        await start
-    except TimeoutError:
-        if client.has_socket_connection:
-            raise
 
 
 def dress() -> None:

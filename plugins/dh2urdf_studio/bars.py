@@ -20,6 +20,7 @@ from dh2urdf_studio.editing.edits import MOST_ROWS
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, Menu, act_once, icon_button, lay_menu_item, row_of
 
 if TYPE_CHECKING:
@@ -31,35 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.session import Session
     from dh2urdf_studio.widgets import ArmView, Panel, ShownScene
 
-SCHEMES = {"system": "as the system", "light": "light", "dark": "dark"}
-"""The colour schemes."""
-VIEWS = {
-    "front": "front (1)",
-    "back": "back",
-    "right": "right (3)",
-    "left": "left",
-    "top": "top (7)",
-    "bottom": "bottom",
-    "corner": "corner (9)",
-}
-"""The standard views, with the keys that choose them where the scene has the focus."""
-ROW_ACTS = {
-    "add": ("add", "add a row below (Alt+Insert)"),
-    "remove": ("remove", "remove the row (Alt+Delete)"),
-    "up": ("arrow_upward", "move the row up (Alt+↑)"),
-    "down": ("arrow_downward", "move the row down (Alt+↓)"),
-}
-"""What the buttons of the bar do: an icon and a tooltip for each. The page does it to the row that is picked there."""
-_PLACED = "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}"
-ENDS = {
-    "base": ("base_link to the first DH frame", _PLACED),
-    "tool": ("last DH frame to tool0", _PLACED),
-    "payload": ("what the arm carries at tool0", "{mass: 2.5, com: [0, 0, 0.05]}"),
-    "defaults": (
-        "shape and density of all links; the shape arm draws housings at the joints",
-        "{geometry: {shape: arm}, density: 2700}",
-    ),
-}
+ENDS: dict[str, tuple[str, str]] = PAGE["ends"]
 """The fields below the cells: a tooltip and an example for each."""
 USUAL_LAYERS = ("links", "axes", "frames", "parameters")
 """Layers with a box in the bar; the others are in a menu, so that the bar takes two rows beside a table."""
@@ -123,7 +96,7 @@ def lay_look() -> None:
     with ui.button(icon="contrast").props(f'flat dense no-caps color=white aria-label="{told}"') as button:
         button.tooltip(told)
         with Menu(items=True).props(f'aria-label="{told}"') as menu:
-            for scheme, text in SCHEMES.items():
+            for scheme, text in PAGE["schemes"].items():
                 lay(text, f'data-scheme="{scheme}"', f"choose('{scheme}')")
             ui.separator()
             lay("projector: larger text and lines", 'data-size="large"', "magnify()")
@@ -158,7 +131,7 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
         if not page.is_deleted:
             await on_table(await dialogs.choose(tables))
 
-    suffixes = dialogs.table_suffixes(catalog)
+    suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
     with page:
         upload = ui.upload(on_upload=take).style("display: none")
     told = {
@@ -207,7 +180,7 @@ class TableBar:
                 self._length = _toggle(LENGTH_UNITS, "unit of lengths", self._choose_units)
                 self._angle = _toggle(ANGLE_UNITS, "unit of angles", self._choose_units)
             with group().classes("studio-group"):
-                for name, (icon, told) in ROW_ACTS.items():
+                for name, (icon, told) in PAGE["row_acts"].items():
                     icon_button(icon, told).on("click", js_handler=f"() => dhGrid.press('{name}')")
                 icon_button("view_column", "show all columns, or those in use", on_columns)
 
@@ -353,7 +326,7 @@ def lay_tools(scene: Callable[[], ArmView], see_all: str) -> ui.element:
     with ui.element("div").classes("studio-tools") as tools:
         icon_button("center_focus_strong", see_all, lambda: scene().run_method("fit", False))
         with icon_button("view_in_ar", "look from a side"), Menu(items=True):
-            for view, told in VIEWS.items():
+            for view, told in PAGE["views"].items():
                 lay_menu_item(told, lambda view=view: scene().run_method("look", view))  # type: ignore[misc]  # of a default
             ui.separator()
             follow = ui.menu_item("follow what is picked", auto_close=False).classes("studio-tick")
@@ -379,6 +352,13 @@ def lay_opacity(
 ) -> None:
     """Lay out the menu with which bodies are looked through and painted."""
     told = "opacity, and the colour of links without one" if on_paint else "opacity"
+
+    def painted(text: str) -> None:
+        """A colour as a page writes it: ``#b8bdc4``."""
+        red, green, blue = bytes.fromhex(text.removeprefix("#"))
+        if on_paint is not None:
+            on_paint((red / 255, green / 255, blue / 255))
+
     with (
         icon_button("opacity", told),
         Menu().props(f'role=dialog aria-label="{told}"'),
@@ -395,13 +375,7 @@ def lay_opacity(
             colour = f"#{bytes(round(255 * part) for part in plain).hex()}"
             paint = ui.element("input").props(f'type=color value="{colour}" aria-label="{WITHOUT_COLOUR}"')
             taken = "(event) => emit(event.target.value)"
-            paint.on("change", lambda event: on_paint(_colour(str(event.args))), js_handler=taken)
-
-
-def _colour(text: str) -> Colour:
-    """A colour as a page writes it: ``#b8bdc4``."""
-    red, green, blue = bytes.fromhex(text.removeprefix("#"))
-    return red / 255, green / 255, blue / 255
+            paint.on("change", lambda event: painted(str(event.args)), js_handler=taken)
 
 
 def _switched(element: ui.element, state: str) -> bool:

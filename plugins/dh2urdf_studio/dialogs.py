@@ -19,6 +19,7 @@ from dh2urdf_studio.drawing import exports
 from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
 from dh2urdf_studio.editing.save import Saved, saved
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, lay_menu_item, row_of
 
 if TYPE_CHECKING:
@@ -36,11 +37,6 @@ LOST = "The files did not arrive. Open them again."
 MOST_CHOICES = 1000
 """Manipulators of a file that a person is given to choose from."""
 _MOST_WARNINGS = 3
-_MEANINGS = {
-    Convention.STANDARD: "standard (Denavit-Hartenberg, Spong): Rz(θ) Tz(d) Tx(a) Rx(α)",
-    Convention.MODIFIED: "modified (Craig): Rx(α) Tx(a) Rz(θ) Tz(d)",
-}
-_SIGNS = {"joint": "name", "alpha": "α", "theta": "θ"}
 
 
 @contextmanager
@@ -116,7 +112,7 @@ async def ask_convention(convention: Convention, *, possible: bool) -> bool | No
         f"Convert: the same arm, other numbers. {moved}{'tool' if down else 'base'}.",
         "Reinterpret: the same numbers, another arm. They were meant so from the beginning.",
     )
-    answer = await _ask(f"To the convention {_MEANINGS[convention]}", lambda: both, possible=possible)
+    answer = await _ask(f"To the convention {PAGE['conventions'][convention]['told']}", lambda: both, possible=possible)
     return None if answer is None else bool(answer[0])
 
 
@@ -197,7 +193,7 @@ def _units(tables: tuple[Opened, ...] | str) -> str:
 async def ask_columns(choices: Sequence[Sequence[str]], cells: Sequence[str]) -> Sequence[str] | None:
     """The fields of columns that have no names, of which one is a row of cells; None for nothing."""
     told = f"The first row is {' | '.join(cell or 'empty' for cell in cells)}. What are its columns?"
-    named = [(", ".join(_SIGNS.get(field, field) for field in fields), fields) for fields in choices]
+    named = [(", ".join(PAGE["columns"][field].get("header", field) for field in fields), fields) for fields in choices]
     answer: Sequence[str] | None = await ask("The columns that you paste have no names", [told], named)
     return answer
 
@@ -222,11 +218,6 @@ async def ask_table(catalog: Catalog, choose_file: str) -> Opened | None:
                     ui.label(what)
     opened: Opened | None = await answer_of(dialog)
     return opened
-
-
-def table_suffixes(catalog: Catalog) -> list[str]:
-    """File name endings of what can be opened."""
-    return [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
 
 
 async def choose(tables: tuple[Opened, ...] | None) -> Opened | None:

@@ -11,6 +11,7 @@ from dh2urdf.table_text import LENGTH_UNITS, TableText
 from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.bars import EndFields, ProblemList, StudioHead, TableBar, lay_files, lay_scene_bar
 from dh2urdf_studio.editing import edits, opening
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
@@ -98,7 +99,7 @@ class StudioPage:
         with ui.element("div").classes("studio-stage"):
             self._view = ArmView(on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.Warnings().add)
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
-                ui.html(words.EMPTY, sanitize=False)
+                ui.html(PAGE["empty"]["scene"], sanitize=False)
 
     # --- What is shown ------------------------------------------------------------------------------------------------
 

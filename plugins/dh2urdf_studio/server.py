@@ -160,7 +160,13 @@ class Guard:
         if refusal is None and (refusal := self._too_much(headers)):
             status = 413
         if refusal is None:
-            await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
+
+            async def answer(message: Message) -> None:
+                if message["type"] == "http.response.start":
+                    message = {**message, "headers": [*message.get("headers", ()), *_HEADERS]}
+                await send(message)
+
+            await self.app(scope, receive, answer)
         elif scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": 1008, "reason": refusal})  # before it is accepted: 403
@@ -200,12 +206,3 @@ class Guard:
             return name in self._names or bool(ipaddress.ip_address(name))
         except ValueError:
             return False
-
-
-def _with_headers(send: Send) -> Send:
-    async def answer(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            message = {**message, "headers": [*message.get("headers", ()), *_HEADERS]}
-        await send(message)
-
-    return answer

@@ -9,38 +9,14 @@ from nicegui import ui
 
 from dh2urdf.manipulator import Convention
 from dh2urdf_studio.editing.opening import first_field
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf_studio.editing.session import Session
 
-_HEADERS = {
-    "joint": "name",
-    "alpha": "α",
-    "theta": "θ",
-    "lower": "q min",
-    "upper": "q max",
-    "com_x": "com x",
-    "com_y": "com y",
-    "com_z": "com z",
-}
-_WIDTHS = {"joint": 128, "type": 74, "link": 90, "alpha": 64, "theta": 62, "lower": 58, "upper": 58}
 _WIDTH = 70
-_LENGTHS = ("a", "d", "radius", "com_x", "com_y", "com_z")
-_ANGLES = ("alpha", "theta")
-_TOLD = {
-    "joint": "name of the joint",
-    "type": "revolute (R), prismatic (P), continuous (C) or fixed (F)",
-    "a": "length of the common normal, along x",
-    "alpha": "twist: angle about x from one joint axis to the next",
-    "d": "offset along the joint axis z",
-    "theta": "angle about the joint axis z; the joint value is added to it",
-    "offset": "added to the joint value",
-    "sign": "1, or -1 where the joint counts the other way",
-    "lower": "smallest joint value",
-    "upper": "largest joint value",
-}
 
 
 class TableGrid:
@@ -220,21 +196,17 @@ def _columns(session: Session) -> list[dict[str, Any]]:
 
 
 def _column(field: str, session: Session) -> dict[str, Any]:
-    table = session.table
-    header = _HEADERS.get(field, field)
-    if field in ("a", "alpha") and table.convention:
-        header += "ᵢ₋₁" if table.convention == Convention.MODIFIED else "ᵢ"
-    if field in ("d", "theta"):
-        header += "ᵢ"
-    unit = table.length_unit if field in _LENGTHS else table.angle_unit if field in _ANGLES else ""
+    table, about = session.table, PAGE["columns"].get(field, {})
+    header, index = about.get("header", field), about.get("index")
+    if index == "i" or (index == "a" and table.convention):
+        header += "ᵢ₋₁" if index == "a" and table.convention == Convention.MODIFIED else "ᵢ"
+    unit = {"length": table.length_unit, "angle": table.angle_unit}.get(about.get("unit", ""))
     column: dict[str, Any] = {
         "field": field,
         "colId": field,
         "headerName": f"{header} [{unit}]" if unit else header,
-        "headerTooltip": _TOLD.get(field, field),
-        ":minWidth": f"dhGrid.wide({_WIDTHS.get(field, _WIDTH)})",
-        "flex": _WIDTHS.get(field, _WIDTH),
+        "headerTooltip": about.get("told", field),
+        ":minWidth": f"dhGrid.wide({about.get('width', _WIDTH)})",
+        "flex": about.get("width", _WIDTH),
     }
-    if field == "type":
-        column[":cellEditor"] = "dhGrid.TypeEditor"
-    return column
+    return column | ({":cellEditor": "dhGrid.TypeEditor"} if field == "type" else {})

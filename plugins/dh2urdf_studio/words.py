@@ -18,12 +18,6 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
-EMPTY = (
-    "<b>An empty table.</b><br>Choose the number of axes and the convention, then enter a, α and d of every row: "
-    "<code>pi/2</code>, <code>90°</code> and <code>-425 mm</code> are fine. The arm appears as you type. "
-    "Or paste a table, open one of yours, or one of the gallery."
-)
-"""What the scene of a table without rows says, as HTML."""
 MOST_LOST = 6
 """What a table cannot hold, or what was lost, as far as it is reported."""
 USUAL = 6

@@ -250,11 +250,6 @@ class MeshStore:
         """Whether there is a file with this key."""
         return key in self._meshes
 
-    @property
-    def is_reading(self) -> bool:
-        """Whether a file is being read."""
-        return bool(self._busy)
-
     def picture(self, key: str) -> Picture | None:
         """The texture with a key, which the triangles of a file have named; None if none has."""
         return self._pictures.get(key)

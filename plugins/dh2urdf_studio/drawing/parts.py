@@ -16,7 +16,7 @@ from dh2urdf_studio.drawing.mesh_files import DrawnMesh
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from dh2urdf.robot import Inertial, Joint, Link, Robot
+    from dh2urdf.robot import Joint, Link, Robot
     from dh2urdf.stages.foreign_robot import Follower
 
 Colour: TypeAlias = tuple[float, float, float]
@@ -151,37 +151,27 @@ def axis_colour(kind: JointType, links: Iterable[Colour]) -> Colour | None:
 
 
 def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:
-    """A ball of a radius [m] at the centre of mass of a link, and the ellipsoid that has its mass and inertia."""
-    inertial = link.inertial
-    if inertial is None or not inertial.mass > 0.0:
-        return
-    centre = RigidTransform(IDENTITY.rotation, inertial.com)
-    yield ScenePart(shape="sphere", size=(radius,), pose=centre, layer="masses", colour=CENTRE)
-    if (found := inertia_ellipsoid(inertial)) is not None:
-        half_axes, pose = found
-        yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="inertias", colour=MASS, opacity=0.5)
-
-
-def inertia_ellipsoid(inertial: Inertial) -> tuple[Vec3, RigidTransform] | None:
-    """The half axes [m] of the ellipsoid of even density that has a mass and an inertia, and where it is in the link.
+    """A ball of a radius [m] at the centre of mass of a link, and the ellipsoid of even density with its inertia.
 
     An ellipsoid with the half axes a, b, c has the principal moments I1 = m (b² + c²)/5 and so on
-    (https://scienceworld.wolfram.com/physics/MomentofInertiaEllipsoid.html), so a² = 5 (I2 + I3 - I1)/(2 m).
-
-    Returns:
-        None for a tensor that no body has: the largest of the moments is larger than the sum of the other two.
+    (https://scienceworld.wolfram.com/physics/MomentofInertiaEllipsoid.html), so a² = 5 (I2 + I3 - I1)/(2 m). Where the
+    largest moment is larger than the sum of the other two, no body has the tensor, and there is no ellipsoid.
     """
     import numpy as np
 
-    i = inertial.inertia
+    inertial = link.inertial
+    if inertial is None or not inertial.mass > 0.0:
+        return
+    centre, i = RigidTransform(IDENTITY.rotation, inertial.com), inertial.inertia
+    yield ScenePart(shape="sphere", size=(radius,), pose=centre, layer="masses", colour=CENTRE)
     moments, axes = np.linalg.eigh([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
     if np.linalg.det(axes) < 0.0:
         axes[:, 2] *= -1.0
     squares = 2.5 / inertial.mass * (moments.sum() - 2.0 * moments)
-    if not squares.min() >= 0.0:
-        return None
-    a, b, c = (float(axis) for axis in np.sqrt(squares))
-    return (a, b, c), RigidTransform(tuple(map(float, axes.ravel())), inertial.com)  # type: ignore[arg-type]  # nine of them
+    if squares.min() >= 0.0:
+        half_axes = tuple(map(float, np.sqrt(squares)))
+        pose = RigidTransform(tuple(map(float, axes.ravel())), inertial.com)  # type: ignore[arg-type]  # nine of them
+        yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="inertias", colour=MASS, opacity=0.5)
 
 
 def grips(robot: Robot, followers: Mapping[str, Follower], before: str = "") -> dict[str, Grip]:

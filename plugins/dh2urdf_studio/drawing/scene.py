@@ -33,24 +33,14 @@ from dh2urdf_studio.drawing.parts import (
     towards,
 )
 from dh2urdf_studio.drawing.strokes import Stroke, robot_normals, strokes, table_normals
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.robot import Geometry, Link
 
-LAYERS = {
-    "links": "links",
-    "axes": "joint axes",
-    "frames": "frames",
-    "lines": "lines between frames",
-    "parameters": "a α d θ",
-    "normals": "common normals",
-    "collision": "collision",
-    "masses": "centres of mass",
-    "inertias": "inertias",
-    "outlines": "outline of the picked link",
-}
+LAYERS: dict[str, str] = PAGE["layers"]
 """What can be shown and hidden, and what a person calls it."""
 
 FRAME_SIZE = 0.08
@@ -164,7 +154,14 @@ class Drawing:
 
     def normals(self, q: Mapping[str, float], only: int | None = None) -> tuple[Stroke, ...]:
         """The joint axes and their common normals at q; of tables of one row alone, where its number is given."""
-        return tuple(stroke for figure in self.figures for stroke in _normals(figure, q, self.reach, only))
+        found: list[Stroke] = []
+        for figure in self.figures:
+            own, place, table = _own_values(figure, q), figure.place, figure.manipulator
+            if table is None:
+                found += robot_normals(figure.robot, own, place=place, reach=self.reach)
+            else:
+                found += table_normals(table, own, place=place, reach=self.reach, typed=figure.typed, only=only)
+        return tuple(found)
 
     def as_json(self) -> dict[str, Any]:
         """The drawing as a browser takes it."""
@@ -235,7 +232,9 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
     rooted = frozenset() if table else _held_by_the_root(robot)
-    size = _frame_size(max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach, robot)
+    # So many reaches, and no more than half of a usual link, which the arrows of a frame would bury.
+    far = max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach
+    size = min(FRAME_SIZE, 0.5 / max(1, len(robot.moving_joints) // max(1, len(robot.arms)))) * far
     held = grips(robot, figure.followers, figure.name)
     bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
     for link in robot.links:
@@ -289,12 +288,6 @@ def _held_by_the_root(robot: Robot) -> frozenset[str]:
     while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
         moved |= more
     return frozenset(link.name for link in robot.links if link.name not in moved)
-
-
-def _frame_size(reach: float, robot: Robot) -> float:
-    """Length of a frame's arrows: so many reaches, and no more than half of a usual link, which they would bury."""
-    links = max(1, len(robot.moving_joints) // max(1, len(robot.arms)))
-    return min(FRAME_SIZE, 0.5 / links) * reach
 
 
 def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:
@@ -359,13 +352,6 @@ def _axis(joint: Joint, size: float, near: Sequence[ScenePart]) -> Iterator[Scen
         )
 
 
-def _normals(figure: Figure, q: Mapping[str, float], reach: float, only: int | None) -> Iterator[Stroke]:
-    own, table = _own_values(figure, q), figure.manipulator
-    if table is None:
-        return robot_normals(figure.robot, own, place=figure.place, reach=reach)
-    return table_normals(table, own, place=figure.place, reach=reach, typed=figure.typed, only=only)
-
-
 # --- Poses ------------------------------------------------------------------------------------------------------------
 
 
@@ -375,13 +361,9 @@ def _poses(figure: Figure, q: Mapping[str, float]) -> Iterator[RigidTransform]:
     for link in figure.robot.links:
         yield figure.place @ links.get(link.name, IDENTITY)
     if figure.manipulator is not None:
-        for frame in dh_frames(figure.manipulator, _vector(figure.manipulator, own)):
+        for frame in dh_frames(figure.manipulator, [own[row.joint] for row in figure.manipulator.moving_rows]):
             yield figure.place @ frame
 
 
 def _own_values(figure: Figure, q: Mapping[str, float]) -> dict[str, float]:
     return {joint.name: q.get(figure.name + joint.name, 0.0) for joint in figure.robot.moving_joints}
-
-
-def _vector(table: Manipulator, q: Mapping[str, float]) -> list[float]:
-    return [q.get(row.joint, 0.0) for row in table.moving_rows]

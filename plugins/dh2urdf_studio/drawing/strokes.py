@@ -18,6 +18,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, dot, norm, rotate, scale, subtract
 from dh2urdf.table_text import TableText
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -289,21 +290,10 @@ def where_x_is(table: Manipulator, q: Mapping[str, float], number: int) -> str:
     frame = number + 1 if table.convention is Convention.STANDARD else number
     x = f"x<sub>{frame}</sub>"
     against = normal.direction is not None and dot(_axis(frames[frame], 0), normal.direction) < 0.0
-    match normal.position:
-        case Position.SKEW:
-            way = f"from {other} to {one}, as a is negative" if against else f"from {one} to {other}"
-            return f"{one} and {other} are skew: they have one common normal, and {x} points along it, {way}."
-        case Position.PARALLEL:
-            return (
-                f"{one} and {other} are parallel: they have a common normal at every point, and any of them is right. "
-                f"This table takes the one through the origin of {{{frame}}}; d follows from that choice."
-            )
-        case Position.MEETING:
-            way = "against" if against else "along"
-            return f"{one} and {other} meet in a point: a is 0, and {x} is {way} {one} × {other}."
-    return (
-        f"{one} and {other} are one line: a is 0, and {x} may have any direction across it; θ follows from that choice."
-    )
+    way = f"from {other} to {one}, as a is negative" if against else f"from {one} to {other}"
+    sense = "against" if against else "along"
+    told: str = PAGE["positions"][normal.position]
+    return told.format(one=one, other=other, x=x, way=way, sense=sense, frame=frame).strip()
 
 
 def _axis(frame: RigidTransform, number: int) -> Vec3:

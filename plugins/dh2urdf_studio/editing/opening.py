@@ -27,6 +27,7 @@ from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf_studio.editing.reading import read_whole
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -40,11 +41,6 @@ MOST_NAMES = 5
 """Names that a notice has of manipulators that cannot be read."""
 _GALLERY = files("dh2urdf_studio") / "arms"
 USUAL_UNITS = ("m", "rad")
-ORDERS = {
-    3: ("a alpha d", "alpha a d", "d a alpha", "a d alpha"),
-    4: ("a alpha d theta", "theta d a alpha", "alpha a d theta", "theta a d alpha", "d theta a alpha"),
-}
-"""Usual orders of columns: of Spong, of the Robotics Toolbox, of Craig, of Universal Robots, of Wikipedia."""
 _NO_TABLE = (
     "this is no table\naccepted: cells of a spreadsheet or CSV, a table of Markdown or LaTeX, YAML, JSON, or rows of "
     "numbers in brackets; a robot description is opened as a file"
@@ -252,7 +248,7 @@ def orders(text: str) -> list[tuple[str, ...]]:
         return []
     columns = [*zip(*rows, strict=True)]
     names = [*takewhile(lambda cells: all(_NAME.fullmatch(each) and not _VALUE.match(each) for each in cells), columns)]
-    usual = ORDERS.get(len(columns) - len(names), ()) if len(names) <= len(("joint", "type")) else ()
+    usual = PAGE["orders"].get(str(len(columns) - len(names)), ()) if len(names) <= len(("joint", "type")) else ()
     return [(*("joint", "type")[: len(names)], *order.split()) for order in usual]
 
 

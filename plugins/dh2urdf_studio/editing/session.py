@@ -354,16 +354,12 @@ class Session:
         self._draw()
         return True
 
-    def _make_other(self) -> None:
-        """Makes the other variant, which no letter has to wait for while it is not shown."""
-        if self.arm is not None and self.arm.other is None and not self.arm.refusal:
-            robot, problems = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
-            self.arm = replace(self.arm, other=robot, refusal=problems)
-
     def _draw(self) -> None:
         self.beside = None
-        if self.variant != self.variants[0]:
-            self._make_other()
+        if self.variant != self.variants[0] and self.arm is not None and not (self.arm.other or self.arm.refusal):
+            # No letter has to wait for the other variant while it is not shown.
+            robot, problems = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
+            self.arm = replace(self.arm, other=robot, refusal=problems)
         if self.arm is None:
             self.drawing, self.sliders = Drawing(), ()
             return

@@ -11,6 +11,7 @@ from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, r
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.poses import TICK
 from dh2urdf_studio.widgets import Panel, row_of, small_button
 from dh2urdf_studio.words import decimals, plain
@@ -25,27 +26,6 @@ if TYPE_CHECKING:
 
 _STEP = 0.04  # of a motion in a tick: a motion takes 1.25 s
 _ALL = 4.0
-_SYMBOLS = {
-    Convention.STANDARD: (
-        ("cθ", "−sθ cα", "sθ sα", "a cθ"),
-        ("sθ", "cθ cα", "−cθ sα", "a sθ"),
-        ("0", "sα", "cα", "d"),
-        ("0", "0", "0", "1"),
-    ),
-    Convention.MODIFIED: (
-        ("cθ", "−sθ", "0", "a"),
-        ("sθ cα", "cθ cα", "−sα", "−d sα"),
-        ("sθ sα", "cθ sα", "cα", "d cα"),
-        ("0", "0", "0", "1"),
-    ),
-}
-"""A in symbols, c and s for cosine and sine: Spong, Hutchinson, Vidyasagar, eq. 3.10; Craig, eq. 3.6."""
-_MEANING = {
-    Convention.STANDARD: "x of the frame after the row lies on the common normal of the row's axis and the next one: a "
-    "is its length, α the angle between the axes; d and θ lead to it along and about the row's axis.",
-    Convention.MODIFIED: "x of the frame before the row lies on the common normal of its axis and the row's axis: a is "
-    "its length, α the angle between the axes; θ and d lead on about and along the row's axis.",
-}
 _DIGITS = 4
 _MOST_FACTORS = 3
 
@@ -134,15 +114,16 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
     factors = [f"A<sub>{each}</sub>" for each in range(1, index + 1)]
     product = " ".join(["base", *(factors if index <= _MOST_FACTORS else (factors[0], "…", factors[-1]))])
     here = row_transform(table.convention, row, value)
+    own, others = (PAGE["conventions"][each] for each in (table.convention, other))
     return (
         f"<div>{', '.join(told)}</div>"
         f"<div><b>A<sub>{index}</sub> = {_product(table.convention)}</b></div>"
-        f"{_equal(_matrix(_SYMBOLS[table.convention]), here, length, far)}"
+        f"{_equal(_matrix(PAGE['conventions'][table.convention]['symbols']), here, length, far)}"
         f"{_equal(f'<b>T<sub>0{index}</sub> = {product}</b>', frame, length, far)}"
-        f"<div>{_MEANING[table.convention]}</div><div>{where_x_is(table, q, number)}</div>"
+        f"<div>{own['means']}</div><div>{where_x_is(table, q, number)}</div>"
         f"<details><summary>The {other} convention</summary><div>A = {_product(other)}</div>"
-        f"{_equal(_matrix(_SYMBOLS[other]), there, length, far)}"
-        f"<div>The same arm has d and θ of this row there, and {whose}.</div><div>{_MEANING[other]}</div></details>"
+        f"{_equal(_matrix(PAGE['conventions'][other]['symbols']), there, length, far)}"
+        f"<div>The same arm has d and θ of this row there, and {whose}.</div><div>{others['means']}</div></details>"
     )
 
 

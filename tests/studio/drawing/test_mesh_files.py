@@ -335,7 +335,7 @@ def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch
     store = MeshStore({"pipe": DrawnMesh(path=tmp_path / "pipe.stl")})
     reading = store.triangles("pipe")
     assert is_there.wait(60)
-    while not store.is_reading:
+    while not store._busy:
         time.sleep(0.01)
     store.close()
     with pytest.raises(OutputError, match=r"pipe\.stl"):

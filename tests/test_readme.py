@@ -43,12 +43,9 @@ def block(language: str, containing: str = "") -> str:
     return str(found)
 
 
-def test_it_is_short() -> None:
-    assert len(README.read_text("utf-8").splitlines()) <= 90
-
-
 def test_no_block_goes_untested() -> None:
-    """The README has the two blocks of `.ci/run` and the two of this file."""
+    """The README has the two blocks of `.ci/run` and the two of this file, and stays short."""
+    assert len(README.read_text("utf-8").splitlines()) <= 90
     tags = [tag for tag, _ in BLOCK.findall(README.read_text("utf-8"))]
     assert tags == ["sh", "sh", "csv", "sh"]
     assert README.read_text("utf-8").count("```") == 2 * len(tags)

@@ -383,55 +383,48 @@ def test_the_command_is_the_table_with_its_base_and_tool(cli: Callable[..., Any]
 # --- Rows -------------------------------------------------------------------------------------------------------------
 
 
+def _row(header: str, row: str, top: str = "") -> list[tuple[str, str]]:
+    above = "# convention: standard\n" + (f"{one_code(top)}\n" if "`" in top else "")
+    return [(table_of(one_code(header), one_code(row), above), "csv")]
+
+
+TRIED: dict[str, Callable[..., list[tuple[str, str]]]] = {
+    **dict.fromkeys(
+        ("unknown", "notices", *(f"refused {what}" for what in ["variables", "limits", "masses", "names", "rows"])),
+        _row,
+    ),
+    "doubtful units": lambda top, header, row: _row(header, row, top),
+    "refused yaml": lambda joints: [(f"convention: standard\n{one_code(joints)}\n", "yaml")],
+    "refused numbers": lambda cell: [
+        (table_of("a;alpha;d;theta", cells), "csv") for cells in (f"{one_code(cell)};0;0;0", f"0;0;0;{one_code(cell)}")
+    ],
+    "refused ranges": lambda cell: [(table_of("a;alpha;d;range [deg]", f"0;0;0;{one_code(cell)}"), "csv")],
+}
+"""The tables of the page that say what is refused or noticed: what is read for a line of each, and in which form."""
+
+
+@pytest.mark.parametrize(("name", "line"), [(name, line) for name in TRIED for line in TABLES[name]])
+def test_every_line_is_refused_or_noticed_as_it_says(name: str, line: list[str], read: Callable[..., Outcome]) -> None:
+    """With the message that the page quotes."""
+    *cells, said = line
+    for content, form in TRIED[name](*cells):
+        found = read(content, form)
+        if said == "accepted":
+            found.arm()
+            continue
+        assert any(one_code(said) in each for each in found.notices + found.errors), found.errors
+        assert bool(found.errors) is (name != "notices")
+
+
 @pytest.mark.parametrize(
-    ("header", "row", "said"),
-    of_tables("unknown", "refused variables", "refused limits", "refused masses", "refused names", "refused rows"),
+    ("column", "cell", "number"),
+    [("theta", *line) for line in TABLES["angles"]] + [("a", *line) for line in TABLES["lengths"]],
 )
-def test_every_row_is_refused_as_it_says(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
-    """A header with one row below it is refused, with the message that the page quotes."""
-    found = read(table_of(one_code(header), one_code(row)))
-    if said == "accepted":
-        found.arm()
-    else:
-        assert any(one_code(said) in error for error in found.errors), found.errors
-
-
-@pytest.mark.parametrize(("joints", "said"), of_tables("refused yaml"))
-def test_every_piece_of_yaml_is_refused_as_it_says(joints: str, said: str, read: Callable[..., Outcome]) -> None:
-    """Below a line with the convention, with the message that the page quotes."""
-    found = read(f"convention: standard\n{one_code(joints)}\n", "yaml")
-    assert any(one_code(said) in error for error in found.errors), found.errors
-
-
-@pytest.mark.parametrize(("header", "row", "said"), of_tables("notices"))
-def test_every_notice_is_said(header: str, row: str, said: str, read: Callable[..., Outcome]) -> None:
-    """A header with one row below it is accepted, with the notice that the page quotes."""
-    found = read(table_of(one_code(header), one_code(row)))
-    assert found.errors == []
-    assert any(one_code(said) in notice for notice in found.notices), found.notices
-
-
-@pytest.mark.parametrize(("cell", "number"), of_tables("angles"))
-def test_every_angle_is_the_number_beside_it(cell: str, number: str, read: Callable[..., Outcome]) -> None:
-    """As theta of a table with semicolons."""
-    (row,) = read(table_of("a;alpha;d;theta", f"0;0;0;{one_code(cell)}")).arm().rows
-    assert row.theta == pytest.approx(float(number), abs=5e-7)
-
-
-@pytest.mark.parametrize(("cell", "number"), of_tables("lengths"))
-def test_every_length_is_the_number_beside_it(cell: str, number: str, read: Callable[..., Outcome]) -> None:
-    """As a of a table with semicolons, so that a decimal comma is one."""
-    (row,) = read(table_of("a;alpha;d", f"{one_code(cell)};0;0")).arm().rows
-    assert row.a == pytest.approx(float(number), abs=5e-7)
-
-
-@pytest.mark.parametrize(("cell", "said"), of_tables("refused numbers"))
-def test_every_number_that_is_none_is_refused(cell: str, said: str, read: Callable[..., Outcome]) -> None:
-    """As an angle and as a length, with the message that the page quotes."""
-    for name in ("a", "theta"):
-        cells = {"a": "0", "alpha": "0", "d": "0", "theta": "0", name: one_code(cell)}
-        errors = read(table_of(";".join(cells), ";".join(cells.values()))).errors
-        assert any(one_code(said) in error for error in errors), errors
+def test_every_number_is_the_one_beside_it(column: str, cell: str, number: str, read: Callable[..., Outcome]) -> None:
+    """In a table with semicolons, so that a decimal comma is one."""
+    cells = {"a": "0", "alpha": "0", "d": "0", "theta": "0", column: one_code(cell)}
+    (row,) = read(table_of(";".join(cells), ";".join(cells.values()))).arm().rows
+    assert getattr(row, column) == pytest.approx(float(number), abs=5e-7)
 
 
 @pytest.mark.parametrize("symbol", [pytest.param(tuple(row), id=row[2]) for row in TABLES["symbols"]])
@@ -487,13 +480,6 @@ def test_every_range_is_the_two_bounds_beside_it(
         assert [arm.rows[0].limits.lower, arm.rows[0].limits.upper] == bounds
 
 
-@pytest.mark.parametrize(("cell", "said"), of_tables("refused ranges"))
-def test_every_range_that_is_none_is_refused(cell: str, said: str, read: Callable[..., Outcome]) -> None:
-    """With the message that the page quotes."""
-    errors = read(table_of("a;alpha;d;range [deg]", f"0;0;0;{one_code(cell)}")).errors
-    assert any(one_code(said) in error for error in errors), errors
-
-
 @pytest.mark.parametrize("name", [line[0] for line in TABLES["fields"]])
 def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[..., Outcome]) -> None:
     """Accepted without a word, beside the fields that it cannot be without; six parameters with a notice."""
@@ -540,16 +526,6 @@ def test_every_key_of_units_takes_the_unit_beside_it(
     assert [one_code(line[0]) for line in TABLES["keys of units"]] == list(table_units.UNIT_KEYS)
     said = f"# convention: standard\n# units: {{{one_code(key)}: {one_code(example)}}}\n"
     read(table_of("a,alpha,d", "0,0,0", said)).arm()
-
-
-@pytest.mark.parametrize(("top", "header", "row", "said"), of_tables("doubtful units"))
-def test_every_number_of_a_doubtful_unit_is_refused(
-    top: str, header: str, row: str, said: str, read: Callable[..., Outcome]
-) -> None:
-    """With the message that the page quotes."""
-    above = "# convention: standard\n" + (f"{one_code(top)}\n" if "`" in top else "")
-    errors = read(table_of(one_code(header), one_code(row), above)).errors
-    assert any(one_code(said) in error for error in errors), errors
 
 
 # --- Files ------------------------------------------------------------------------------------------------------------

@@ -1,88 +1,34 @@
-"""What is around table and scene: the head, the bars, the problems, the fields below the cells, and dropped files."""
+"""What the pages of studio and view have in common: layers, views, opacity and looks; and files that are dropped."""
 
 from __future__ import annotations
 
 import json
 from contextlib import suppress
-from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from nicegui import run, ui
 
-from dh2urdf.manipulator import Convention
-from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.drawing.parts import GREY
-from dh2urdf_studio.drawing.scene import LAYERS, faded
-from dh2urdf_studio.editing.edits import MOST_ROWS
+from dh2urdf_studio.drawing.scene import LAYERS
 from dh2urdf_studio.editing.opening import tables_of
-from dh2urdf_studio.editing.save import savings
-from dh2urdf_studio.editing.session import BOTH
 from dh2urdf_studio.page_data import PAGE
-from dh2urdf_studio.widgets import ANSWERED, Menu, act_once, icon_button, lay_menu_item, row_of
+from dh2urdf_studio.widgets import ANSWERED, QUIET, Menu, icon_button, lay_menu_item
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf_studio.drawing.parts import Colour
-    from dh2urdf_studio.editing.reading import CellProblem
-    from dh2urdf_studio.editing.session import Session
-    from dh2urdf_studio.widgets import ArmView, Panel, ShownScene
+    from dh2urdf_studio.widgets import ArmView
 
-ENDS: dict[str, tuple[str, str]] = PAGE["ends"]
-"""The fields below the cells: a tooltip and an example for each."""
 USUAL_LAYERS = ("links", "axes", "frames", "parameters")
 """Layers with a box in the bar; the others are in a menu, so that the bar takes two rows beside a table."""
 LEAST_OPACITY = 0.1
 """The smallest opacity of bodies: what is less could not be found again."""
 WITHOUT_COLOUR = "links without a colour"
-MOST_PROBLEMS = 30
-"""Problems that are spelled out; all wrong cells are marked."""
-_QUIET = "flat dense no-caps color=white"
-
-
-# --- The head ---------------------------------------------------------------------------------------------------------
-
-
-class StudioHead:
-    """The bar at the top of the studio: the name of the arm, undo and redo, opening, saving and generating."""
-
-    def __init__(self, session: Session, on: Mapping[str, Callable[..., Any]], scene: Callable[[], ArmView]) -> None:
-        self._session = session
-        ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
-        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm" data-text=name')
-        self._name.classes("studio-name").on("change", lambda: on["name"](self._name.value or ""))
-        self._undo, self._redo = (
-            ui.button(icon=each, on_click=on[each]).props(f'{_QUIET} aria-label="{each}"').tooltip(f"{each} ({key})")
-            for each, key in (("undo", "Ctrl+Z"), ("redo", "Ctrl+Shift+Z"))
-        )
-        ui.element("div").classes("studio-space")
-        ui.button("New", on_click=on["new"]).props(_QUIET)
-        act_once(ui.button("Open", icon="folder_open").props(_QUIET), on["open"])
-        with ui.button("Save", icon="save").props(_QUIET), Menu(items=True):
-            for kind, name, told in savings(session.catalog):
-                lay_menu_item(told, partial(dialogs.make, session, kind, name))
-            dialogs.lay_scene_items(scene, self._shown)
-            lay_menu_item("Link with this table", lambda: dialogs.show_link(session.table))
-        lay_look()
-        generate = ui.button("Generate", icon="precision_manufacturing")
-        generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
-        usual, failed = session.catalog.usual("emitter").name, "The URDF cannot be generated yet"
-        act_once(generate, lambda: dialogs.make(session, "robot", usual, failed))
-
-    def _shown(self) -> ShownScene:
-        """What is on the screen now."""
-        session = self._session
-        return session.table.name, faded(session.drawing, session.opacities), session.joint_values(), session.layers
-
-    def show(self) -> None:
-        """Show the name, and whether an edit can be undone or done again."""
-        self._name.set_value(self._session.table.name)
-        self._undo.set_enabled(self._session.history.can_undo)
-        self._redo.set_enabled(self._session.history.can_redo)
 
 
 def lay_look() -> None:
@@ -93,7 +39,7 @@ def lay_look() -> None:
         item = ui.menu_item(text, auto_close=False).classes("studio-look").props(f"{data} role=menuitem")
         item.on("click", js_handler=f"() => dhLook.{act}")
 
-    with ui.button(icon="contrast").props(f'flat dense no-caps color=white aria-label="{told}"') as button:
+    with ui.button(icon="contrast").props(f'{QUIET} aria-label="{told}"') as button:
         button.tooltip(told)
         with Menu(items=True).props(f'aria-label="{told}"') as menu:
             for scheme, text in PAGE["schemes"].items():
@@ -145,157 +91,6 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
     where = f"{json.dumps(upload.props['url'])}, {wanted}"
     page.on("drop", js_handler=f"event => dhPage.drop(event, {where})")
     return f"dhPage.choose({where}, false)"
-
-
-# --- Around the cells -------------------------------------------------------------------------------------------------
-
-
-class TableBar:
-    """The bar above the cells: axes, convention, units and rows."""
-
-    def __init__(
-        self,
-        session: Session,
-        *,
-        on_convention: Callable[[Convention], Any],
-        on_units: Callable[[str, str], Any],
-        on_columns: Callable[[], None],
-    ) -> None:
-        self._session, self._filling = session, False
-        self._on_convention, self._on_units = on_convention, on_units
-        group = partial(ui.element, "div")
-        with row_of():
-            with group().classes("studio-group"):
-                ui.label("axes").classes("studio-caption")
-                self._axes = ui.number(min=0, precision=0, format="%d")
-                self._axes.props('dense outlined aria-label="number of axes"').classes("studio-axes")
-                self._axes.props["autofocus"] = not session.table.rows  # to leave it costs the first key into a cell
-                for event in ("keydown.enter", "change"):
-                    self._axes.on(event, js_handler=f"() => dhGrid.resize({MOST_ROWS})")
-            with group().classes("studio-group"):
-                self._convention = _toggle([*map(str, Convention)], "convention", self._choose_convention)
-                self._convention.props("toggle-color=primary").classes("studio-convention")
-                self._convention.on("click", js_handler="() => dhGrid.begin()")
-            with group().classes("studio-group"):
-                self._length = _toggle(LENGTH_UNITS, "unit of lengths", self._choose_units)
-                self._angle = _toggle(ANGLE_UNITS, "unit of angles", self._choose_units)
-            with group().classes("studio-group"):
-                for name, (icon, told) in PAGE["row_acts"].items():
-                    icon_button(icon, told).on("click", js_handler=f"() => dhGrid.press('{name}')")
-                icon_button("view_column", "show all columns, or those in use", on_columns)
-
-    def show(self) -> None:
-        """Show the axes, the convention and the units of the table."""
-        table = self._session.table
-        self._filling = True
-        self._axes.set_value(len(self._session.moving_rows) if table.rows else None)
-        self._convention.set_value(table.convention or None)
-        self._length.set_value(table.length_unit)
-        self._angle.set_value(table.angle_unit)
-        self._filling = False
-
-    async def _choose_convention(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
-        if not self._filling and event.value and event.value != self._session.table.convention:
-            await self._on_convention(Convention(event.value))
-
-    async def _choose_units(self) -> None:
-        table, units = self._session.table, (self._length.value, self._angle.value)
-        if not self._filling and units != (table.length_unit, table.angle_unit):
-            await self._on_units(*units)
-
-
-def _toggle(choices: Iterable[str], told: str, act: Callable[..., Any]) -> ui.toggle:
-    """Buttons of which one is pressed."""
-    return ui.toggle(list(choices), on_change=act).props(f'dense unelevated no-caps aria-label="{told}"')
-
-
-class EndFields:
-    """The fields below the cells, for what the table has beside its rows; `on_text` takes a text by its name."""
-
-    def __init__(self, session: Session, on_text: Callable[..., None]) -> None:
-        self._session = session
-        self._fields: dict[str, ui.input] = {}
-        with ui.element("div").classes("studio-ends"):
-            for key, (told, example) in ENDS.items():
-                field = self._fields[key] = ui.input(placeholder=example).tooltip(told)
-                field.props(f'dense outlined prefix="{key}" aria-label="{key}" data-text="{key}"')
-                field.on("change", lambda key=key: on_text(**{key: self._fields[key].value or ""}))
-
-    def show(self, wrong: Collection[str]) -> None:
-        """Show the texts; those that are wrong stand out."""
-        for key, field in self._fields.items():
-            field.set_value(getattr(self._session.table, key))
-            field.props(f"error={'true' if key in wrong else 'false'} no-error-icon hide-bottom-space")
-
-
-class ProblemList:
-    """The line that says how the table is, and below it what is wrong, problem by problem.
-
-    Each that is about a cell or a field leads there. Of one that asks for a unit, `on_unit` takes the pressed unit.
-    """
-
-    def __init__(self, session: Session, on_unit: Callable[[CellProblem, str], None]) -> None:
-        self._session, self._on_unit = session, on_unit
-        with ui.element("div").classes("studio-told").props('role="status" aria-live="polite"'):
-            self._status = ui.label().classes("studio-status")
-            self._told = ui.element("div").style("display: contents")
-
-    def show(self) -> set[str]:
-        """Show the problems of the table, and return which of its texts are wrong: base, tool, payload."""
-        session = self._session
-        problems = session.problems
-        errors = [found for found in problems if found.problem.severity == "error"]
-        text, kind = words.status(session, len(errors))
-        self._status.set_text(text)
-        self._status.classes(replace=f"studio-status {kind}")
-        self._told.clear()
-        with self._told:
-            for found in [*errors, *(found for found in problems if found not in errors)][:MOST_PROBLEMS]:
-                leads = found.row is not None or found.field in ENDS
-                box = ui.element("button" if leads else "div").classes(f"studio-problem {found.problem.severity}")
-                if leads:
-                    key = None if found.row is None else session.history.keys[found.row]
-                    field = found.field if key is None or found.field in session.columns else "a"
-                    box.props("type=button").on("click", js_handler=f"() => dhGrid.goTo(...{json.dumps([key, field])})")
-                with box:
-                    ui.label(f"{words.place(found, session.table)}{found.text}")
-                if units := found.units(session.table):
-                    with ui.element("div").classes(f"studio-problem studio-asked {found.problem.severity}"):
-                        for unit in units:
-                            act = partial(self._on_unit, found, unit)
-                            ui.button(unit, on_click=act).props('unelevated dense no-caps padding="2px 10px"')
-        return {found.field for found in errors if found.row is None and found.field}
-
-
-# --- Above the scene --------------------------------------------------------------------------------------------------
-
-
-def lay_scene_bar(
-    session: Session,
-    panels: Iterable[Panel],
-    *,
-    on_layers: Callable[[frozenset[str]], None],
-    on_variant: Callable[[str], None],
-    scene: Callable[[], ArmView],
-) -> None:
-    """Lay out the bar above the scene: what is shown, which variant of the arm, from where, and the panels."""
-    names = session.variants
-
-    def fade(_: str, opacity: float) -> None:
-        """Both variants are the arm; a description that is compared with it is not."""
-        session.opacities = {"": opacity, f"{names[-1]}/": opacity}
-        scene().run_method("fade", session.opacities)
-
-    with ui.element("div").classes("studio-bar"):
-        lay_layers(session.layers, on_layers)
-        if len(names) > 1:
-            choices = {name: name for name in names} | {BOTH: "side by side"}
-            variant = ui.toggle(choices, value=session.variant, on_change=lambda event: on_variant(event.value))
-            variant.props('dense unelevated no-caps aria-label="variant"')
-        with lay_tools(scene, "see all of the arm"):
-            lay_opacity({"": "the arm"}, session.opacities, fade)
-            for panel in panels:
-                icon_button(panel.ICON, panel.TITLE, panel.switch)
 
 
 def lay_layers(

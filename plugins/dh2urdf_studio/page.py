@@ -3,29 +3,49 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from dh2urdf.table_text import LENGTH_UNITS, TableText
+from dh2urdf.manipulator import Convention
+from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS, TableText
 from dh2urdf_studio import dialogs, words
-from dh2urdf_studio.bars import EndFields, ProblemList, StudioHead, TableBar, lay_files, lay_scene_bar
+from dh2urdf_studio.bars import lay_files, lay_layers, lay_look, lay_opacity, lay_tools
+from dh2urdf_studio.drawing.scene import faded
 from dh2urdf_studio.editing import edits, opening
+from dh2urdf_studio.editing.save import savings
+from dh2urdf_studio.editing.session import BOTH
 from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
 from dh2urdf_studio.panels.target import TargetPanel
 from dh2urdf_studio.table_grid import TableGrid
-from dh2urdf_studio.widgets import ANSWERED, ArmView, JointSliders
+from dh2urdf_studio.widgets import (
+    ANSWERED,
+    QUIET,
+    ArmView,
+    JointSliders,
+    Menu,
+    act_once,
+    icon_button,
+    lay_menu_item,
+    row_of,
+    section,
+    toggle,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from dh2urdf.manipulator import Convention
     from dh2urdf_studio.drawing.mesh_files import MeshStore
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
+    from dh2urdf_studio.widgets import ShownScene
+
+MOST_PROBLEMS = 30
+"""Problems that are spelled out; all wrong cells are marked."""
 
 
 class StudioPage:
@@ -33,68 +53,124 @@ class StudioPage:
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
         """Lays the page out; `show` fills it."""
-        self.session, self._meshes, self._number = session, meshes, session.history.number
+        self.session, self._number = session, session.history.number
+        self._filling = False  # while the bar is filled in, nobody chooses anything there
         ui.on_exception(dialogs.show_fault)
-        ui.on("dh-undo", lambda event: self._do(self.session.redo if event.args else self.session.undo))
+        ui.on("dh-undo", lambda event: self._do(session.redo if event.args else session.undo))
         with ui.element("div").classes("studio") as page:
             self._choose_file = lay_files(page, session.catalog, self._show_opened)
             with ui.element("header").classes("studio-head"):
-                acts: dict[str, Callable[..., Any]] = {
-                    "name": lambda name: self._set_texts(name=name),
-                    "undo": lambda: self._do(session.undo),
-                    "redo": lambda: self._do(session.redo),
-                    "new": lambda: self._do(lambda: session.open(TableText(name="arm"))),
-                    "open": self._open,
-                }
-                self._head = StudioHead(session, acts, lambda: self._view)
-            with ui.element("section").classes("studio-table").props('aria-label="DH table"'):
-                self._lay_table()
-            with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
+                self._lay_head()
+            with section("studio-table", "DH table"):
+                with row_of():
+                    self._lay_bar()
+                self._table = TableGrid(
+                    session,
+                    edit=self._edited,
+                    typing=self._typing,
+                    end=self._typing_ended,
+                    pick=self._pick,
+                    paste=self._paste,
+                    clear=self._clear,
+                    act=self._act,
+                    axes=self._resize,
+                )
+                self._target = TargetPanel(session, self._show_pose, self._show_handle)
+                self._panels = (
+                    self._target,
+                    PosesPanel(session, self._show_pose),
+                    MeasuringPanel(session, self._show_pose, self._show_cloud),
+                    LessonPanel(session, self._show_pose),
+                    ComparingPanel(session, self._show_arm, meshes, self._put),
+                )
+                self._lay_below()
+            with section("studio-scene", "Scene"):
                 self._lay_scene()
-            with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
+            with section("studio-motion", "Joints"):
                 with ui.element("div").classes("studio-joints"):
                     self._sliders = JointSliders(on_values=self._moved, told="joint values")
                 with ui.element("div").classes("studio-numbers"):
                     self._numbers = ui.html(sanitize=False)
 
-    def _lay_table(self) -> None:
-        session, show_pose = self.session, self._show_pose
-        self._bar = TableBar(
-            session,
-            on_convention=self._choose_convention,
-            on_units=self._choose_units,
-            on_columns=self._all_columns,
+    def _lay_head(self) -> None:
+        """The bar at the top: the name of the arm, undo and redo, opening, saving and generating."""
+        session = self.session
+        ui.html("<b>dh2urdf</b> studio", sanitize=False, tag="h1").classes("studio-title")
+        self._name = ui.input(on_change=None).props('dense dark standout aria-label="name of the arm" data-text=name')
+        self._name.classes("studio-name").on("change", lambda: self._set_texts(name=self._name.value or ""))
+        self._undo, self._redo = (
+            ui.button(icon=name, on_click=partial(self._do, act)).props(f'{QUIET} aria-label="{name}"').tooltip(told)
+            for name, told, act in (
+                ("undo", "undo (Ctrl+Z)", session.undo),
+                ("redo", "redo (Ctrl+Shift+Z)", session.redo),
+            )
         )
-        acts: Mapping[str, Callable[..., Any]] = {
-            "edit": self._edited,
-            "typing": self._typing,
-            "end": self._typing_ended,
-            "pick": self._pick,
-            "paste": self._paste,
-            "clear": self._clear,
-            "act": self._act,
-            "axes": self._resize,
-        }
-        self._table = TableGrid(session, acts)
-        self._target = TargetPanel(session, show_pose, lambda shown: self._view.run_method("showHandle", shown))
-        self._panels = (
-            self._target,
-            PosesPanel(session, show_pose),
-            MeasuringPanel(session, show_pose, self._show_cloud),
-            LessonPanel(session, show_pose),
-            ComparingPanel(session, self._show_arm, self._meshes, self._put),
-        )
-        self._problems = ProblemList(session, on_unit=self._answer_unit)
-        self._ends = EndFields(session, self._set_texts)
+        ui.element("div").classes("studio-space")
+        new = partial(self._do, lambda: session.open(TableText(name="arm")))
+        ui.button("New", on_click=new).props(QUIET)
+        act_once(ui.button("Open", icon="folder_open").props(QUIET), self._open)
+        with ui.button("Save", icon="save").props(QUIET), Menu(items=True):
+            for kind, name, told in savings(session.catalog):
+                lay_menu_item(told, partial(dialogs.make, session, kind, name))
+            dialogs.lay_scene_items(lambda: self._view, self._shown)
+            lay_menu_item("Link with this table", lambda: dialogs.show_link(session.table))
+        lay_look()
+        generate = ui.button("Generate", icon="precision_manufacturing")
+        generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
+        usual, failed = session.catalog.usual("emitter").name, "The URDF cannot be generated yet"
+        act_once(generate, partial(dialogs.make, session, "robot", usual, failed))
+
+    def _shown(self) -> ShownScene:
+        """What is on the screen now."""
+        session = self.session
+        return session.table.name, faded(session.drawing, session.opacities), session.joint_values(), session.layers
+
+    def _lay_bar(self) -> None:
+        """The bar above the cells: axes, convention, units and rows."""
+        group = partial(ui.element, "div")
+        with group().classes("studio-group"):
+            ui.label("axes").classes("studio-caption")
+            self._axes = ui.number(min=0, precision=0, format="%d")
+            self._axes.props('dense outlined aria-label="number of axes"').classes("studio-axes")
+            self._axes.props["autofocus"] = not self.session.table.rows  # to leave it costs the first key into a cell
+            for event in ("keydown.enter", "change"):
+                self._axes.on(event, js_handler=f"() => dhGrid.resize({edits.MOST_ROWS})")
+        with group().classes("studio-group"):
+            self._convention = toggle([*map(str, Convention)], "convention", self._choose_convention)
+            self._convention.props("toggle-color=primary").classes("studio-convention")
+            self._convention.on("click", js_handler="() => dhGrid.begin()")
+        with group().classes("studio-group"):
+            self._length = toggle(LENGTH_UNITS, "unit of lengths", self._choose_units)
+            self._angle = toggle(ANGLE_UNITS, "unit of angles", self._choose_units)
+        with group().classes("studio-group"):
+            for name, (icon, told) in PAGE["row_acts"].items():
+                icon_button(icon, told).on("click", js_handler=f"() => dhGrid.press('{name}')")
+            icon_button("view_column", "show all columns, or those in use", self._all_columns)
+
+    def _lay_below(self) -> None:
+        """How the table is, what is wrong with it, and the fields for what it has beside its rows."""
+        with ui.element("div").classes("studio-told").props('role="status" aria-live="polite"'):
+            self._status = ui.label().classes("studio-status")
+            self._told = ui.element("div").style("display: contents")
+        self._ends: dict[str, ui.input] = {}
+        with ui.element("div").classes("studio-ends"):
+            for key, (told, example) in PAGE["ends"].items():
+                field = self._ends[key] = ui.input(placeholder=example).tooltip(told)
+                field.props(f'dense outlined prefix="{key}" aria-label="{key}" data-text="{key}"')
+                field.on("change", lambda key=key: self._set_texts(**{key: self._ends[key].value or ""}))
 
     def _lay_scene(self) -> None:
-        lay_scene_bar(
-            self.session,
-            self._panels,
-            on_layers=self._choose_layers,
-            on_variant=self._choose_variant,
-            scene=lambda: self._view,
-        )
+        """What is shown, which variant of the arm, from where, the buttons of the panels, and the arm."""
+        session, names = self.session, self.session.variants
+        with ui.element("div").classes("studio-bar"):
+            lay_layers(session.layers, self._choose_layers)
+            if len(names) > 1:
+                variants = {name: name for name in names} | {BOTH: "side by side"}
+                toggle(variants, "variant", self._choose_variant, session.variant)
+            with lay_tools(lambda: self._view, "see all of the arm"):
+                lay_opacity({"": "the arm"}, session.opacities, self._fade)
+                for panel in self._panels:
+                    icon_button(panel.ICON, panel.TITLE, panel.switch)
         self._remark = ui.label().classes("studio-bar studio-remark")
         with ui.element("div").classes("studio-stage"):
             self._view = ArmView(on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.Warnings().add)
@@ -121,11 +197,47 @@ class StudioPage:
 
     def _show_words(self) -> None:
         """Everything but cells and arm."""
-        self._head.show()
-        self._bar.show()
-        self._empty.set_visibility(not self.session.table.rows)
+        session, table = self.session, self.session.table
+        self._name.set_value(table.name)
+        self._undo.set_enabled(session.history.can_undo)
+        self._redo.set_enabled(session.history.can_redo)
+        self._filling = True
+        self._axes.set_value(len(session.moving_rows) if table.rows else None)
+        self._convention.set_value(table.convention or None)
+        self._length.set_value(table.length_unit)
+        self._angle.set_value(table.angle_unit)
+        self._filling = False
+        self._empty.set_visibility(not table.rows)
         self._keep()
-        self._ends.show(wrong=self._problems.show())
+        errors = [found for found in session.problems if found.problem.severity == "error"]
+        self._show_problems(errors)
+        wrong = {found.field for found in errors if found.row is None}
+        for key, field in self._ends.items():
+            field.set_value(getattr(table, key))
+            field.props(f"error={'true' if key in wrong else 'false'} no-error-icon hide-bottom-space")
+
+    def _show_problems(self, errors: Sequence[CellProblem]) -> None:
+        """How the table is, and what is wrong: a problem leads to its cell or field, and may ask for a unit."""
+        session = self.session
+        text, kind = words.status(session, len(errors))
+        self._status.set_text(text)
+        self._status.classes(replace=f"studio-status {kind}")
+        self._told.clear()
+        with self._told:
+            for found in [*errors, *(found for found in session.problems if found not in errors)][:MOST_PROBLEMS]:
+                leads = found.row is not None or found.field in self._ends
+                box = ui.element("button" if leads else "div").classes(f"studio-problem {found.problem.severity}")
+                if leads:
+                    key = None if found.row is None else session.history.keys[found.row]
+                    field = found.field if key is None or found.field in session.columns else "a"
+                    box.props("type=button").on("click", js_handler=f"() => dhGrid.goTo(...{json.dumps([key, field])})")
+                with box:
+                    ui.label(f"{words.place(found, session.table)}{found.text}")
+                if units := found.units(session.table):
+                    with ui.element("div").classes(f"studio-problem studio-asked {found.problem.severity}"):
+                        for unit in units:
+                            act = partial(self._answer_unit, found, unit)
+                            ui.button(unit, on_click=act).props('unelevated dense no-caps padding="2px 10px"')
 
     def _show_arm(self) -> None:
         session = self.session
@@ -254,8 +366,11 @@ class StudioPage:
             self.session.set_units(*units, convert=False)
         self.show()
 
-    async def _choose_convention(self, convention: Convention) -> None:
+    async def _choose_convention(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         session = self.session
+        if self._filling or event.value in (None, session.table.convention):
+            return
+        convention = Convention(event.value)
         convert: bool | None = False
         if session.table.convention and edits.begun(session.table):
             convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
@@ -263,11 +378,14 @@ class StudioPage:
             session.set_convention(convention, convert=convert)
         self.show()
 
-    async def _choose_units(self, length: str, angle: str) -> None:
+    async def _choose_units(self) -> None:
         session = self.session
-        chosen: tuple[str, str, bool] | None = (length, angle, False)
+        units = self._length.value, self._angle.value
+        if self._filling or units == (session.table.length_unit, session.table.angle_unit):
+            return
+        chosen: tuple[str, str, bool] | None = (*units, False)
         if edits.begun(session.table):
-            chosen = await dialogs.ask_units(length, angle, possible=session.convertible is not None)
+            chosen = await dialogs.ask_units(*units, possible=session.convertible is not None)
         if chosen is not None:
             session.set_units(*chosen[:2], convert=chosen[2])
         self.show()
@@ -295,10 +413,18 @@ class StudioPage:
         self.session.layers = layers
         self._show_pose()
 
-    def _choose_variant(self, variant: str) -> None:
-        self.session.show_variant(variant)
+    def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
+        self.session.show_variant(event.value)
         self._show_arm()
         self._view.run_method("fit", False)
+
+    def _fade(self, _: str, opacity: float) -> None:
+        """Both variants are the arm; a description that is compared with it is not."""
+        self.session.opacities = {"": opacity, f"{self.session.variants[-1]}/": opacity}
+        self._view.run_method("fade", self.session.opacities)
+
+    def _show_handle(self, shown: bool) -> None:  # noqa: FBT001 - what is told
+        self._view.run_method("showHandle", shown)
 
     def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
         self._view.show_cloud(points)

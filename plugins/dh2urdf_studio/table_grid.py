@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -12,7 +13,7 @@ from dh2urdf_studio.editing.opening import first_field
 from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf_studio.editing.session import Session
 
@@ -37,47 +38,13 @@ class TableGrid:
             keys for new rows.
     """
 
-    def __init__(self, session: Session, on: Mapping[str, Callable[..., Any]]) -> None:
+    def __init__(self, session: Session, **on: Callable[..., Any]) -> None:
         self._session = session
         self._header: tuple[Any, ...] = ()
         self._columns: list[dict[str, Any]] = []
         self._acts = 0
         self._drawn: Sequence[str] = ()
-        self._grid = ui.aggrid(
-            {
-                "columnDefs": [],
-                "rowData": [],
-                ":getRowId": "params => String(params.data.id)",
-                "defaultColDef": {
-                    "editable": True,
-                    "sortable": False,
-                    "resizable": True,
-                    "suppressMovable": True,
-                    "suppressHeaderMenuButton": True,
-                    "cellClassRules": {
-                        ":dh-wrong": "params => dhGrid.wrong(params)",
-                        ":dh-remarked": "params => dhGrid.remarked(params)",
-                        ":dh-empty": "params => dhGrid.empty(params)",
-                        ":dh-range": "params => dhGrid.inRange(params)",
-                    },
-                    ":valueSetter": "params => dhGrid.edited(params)",
-                    ":suppressKeyboardEvent": "params => dhGrid.keys(params)",
-                    ":tooltipValueGetter": "params => dhGrid.tooltip(params)",
-                },
-                "enableBrowserTooltips": True,
-                "suppressHeaderFocus": True,
-                ":onCellEditingStarted": "e => dhGrid.started(e)",
-                ":onCellEditingStopped": "e => dhGrid.stopped(e)",
-                "stopEditingWhenCellsLoseFocus": True,
-                "animateRows": False,  # a row that is gone would stay for a moment
-                "rowDragManaged": True,
-                "suppressMoveWhenRowDragging": True,
-                ":onRowDragEnd": "e => dhGrid.dragged(e)",
-                "overlayNoRowsTemplate": "<span>choose the number of axes, or paste a table</span>",
-            },
-            theme="balham",
-            auto_size_columns=False,
-        ).classes("dh-table")
+        self._grid = ui.aggrid(deepcopy(PAGE["grid"]), theme="balham", auto_size_columns=False).classes("dh-table")
         grid = self._grid
         self._take("dh-edit", lambda key, field, text: on["edit"](self._number(key), field, text))
         grid.on("cellEditingStopped", lambda _: on["end"](), ["rowId"])
@@ -124,7 +91,7 @@ class TableGrid:
         header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
         if header != self._header:
             self._header = header
-            self._columns = _columns(session)
+            self._columns = [PAGE["number_column"], *(_column(field, session) for field in session.columns)]
             self._lay_columns()
         rows = [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
         self._run("fill", rows, self._acts)
@@ -176,23 +143,6 @@ def _problems(session: Session) -> dict[str, dict[str, dict[str, str]]]:
             cells = found.setdefault(session.history.keys[problem.row], {})
             cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})
     return found
-
-
-def _columns(session: Session) -> list[dict[str, Any]]:
-    number = {
-        "field": "number",
-        "colId": "number",
-        "headerName": "i",
-        ":valueGetter": "params => dhGrid.number(params)",
-        "editable": False,
-        ":width": "dhGrid.wide(58)",
-        "pinned": "left",
-        "rowDrag": True,
-        "cellClass": "dh-number",
-        "suppressNavigable": True,
-        "resizable": False,
-    }
-    return [number, *(_column(field, session) for field in session.columns)]
 
 
 def _column(field: str, session: Session) -> dict[str, Any]:

@@ -13,14 +13,14 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf_studio import dialogs, viewing, words
 from dh2urdf_studio.bars import lay_layers, lay_look, lay_opacity, lay_tools
-from dh2urdf_studio.drawing.scene import faded
+from dh2urdf_studio.drawing.scene import faded, from_root
 from dh2urdf_studio.live_joints import PageFollower
-from dh2urdf_studio.widgets import ArmView, JointSliders, Menu
+from dh2urdf_studio.widgets import QUIET, ArmView, JointSliders, Menu, section, toggle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-    from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin, Robot
+    from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin
     from dh2urdf.stages.foreign_robot import Follower
     from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.drawing.scene import Figure
@@ -46,16 +46,16 @@ class ViewPage:
                 ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
                 ui.label(viewing.told(view.figures))
                 ui.element("div").classes("studio-space")
-                with ui.button("Save", icon="save").props("flat dense no-caps color=white"), Menu(items=True):
+                with ui.button("Save", icon="save").props(QUIET), Menu(items=True):
                     dialogs.lay_scene_items(lambda: self._scene, self._shown)
                 lay_look()
-            with ui.element("section").classes("studio-motion").props('aria-label="Joints"'):
+            with section("studio-motion", "Joints"):
                 self._sliders = JointSliders(on_values=self._moved)
                 with _fold("links"):
                     self._tree = RobotTree(on_pick=self._pick, on_hide=self._hide)
                 with _fold("ends of the arms"):
                     self._numbers = ui.html(sanitize=False).classes("studio-numbers")
-            with ui.element("section").classes("studio-scene").props('aria-label="Scene"'):
+            with section("studio-scene", "Scene"):
                 self._lay_scene()
 
     def _shown(self) -> ShownScene:
@@ -70,13 +70,11 @@ class ViewPage:
             tables = any(figure.manipulator for figure in view.figures)
             lay_layers(view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
             if len(view.figures) > 1:
-                choice = ui.toggle({True: "side by side", False: "at one place"}, value=view.apart)
-                choice.props("dense unelevated no-caps")
-                choice.on_value_change(lambda event: self._place(apart=bool(event.value)))
+                places = {True: "side by side", False: "at one place"}
+                toggle(places, "place", lambda event: self._place(apart=bool(event.value)), view.apart)
             if view.turns:
-                up = ui.toggle({True: "meshes as in ROS", False: "as their files say"}, value=view.as_in_ros)
-                up.props("dense unelevated no-caps")
-                up.on_value_change(lambda event: self._place(as_in_ros=bool(event.value)))
+                ways = {True: "meshes as in ROS", False: "as their files say"}
+                up = toggle(ways, "meshes", lambda event: self._place(as_in_ros=bool(event.value)), view.as_in_ros)
                 up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
             with lay_tools(lambda: self._scene, "see all"):
                 titles = {figure.name: figure.title or figure.robot.name for figure in view.figures}
@@ -204,21 +202,9 @@ def contents(figure: Figure) -> dict[str, Any]:
                 "name": link.name,
                 "items": [{"kind": kind, "text": text} for kind, text in _items(figure, link, above.get(link.name))],
             }
-            for link in _from_root(robot)
+            for link, _ in from_root(robot)
         ],
     }
-
-
-def _from_root(robot: Robot) -> Iterator[Link]:
-    """The links, each behind the one that holds it, branch after branch; those that nothing leads to at the end."""
-    links = {link.name: link for link in robot.links}
-    held = {joint.child for joint in robot.joints}
-    waiting = [*reversed(links), *(name for name in reversed(links) if name not in held)]
-    while waiting:
-        name = waiting.pop()
-        if (link := links.pop(name, None)) is not None:
-            yield link
-            waiting += [joint.child for joint in reversed(robot.joints) if joint.parent == name]
 
 
 def _items(figure: Figure, link: Link, joint: Joint | None) -> Iterator[tuple[str, str]]:

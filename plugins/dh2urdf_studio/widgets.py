@@ -33,6 +33,8 @@ ShownScene: TypeAlias = "tuple[str, Drawing, Mapping[str, float], Collection[str
 """The name of a scene, what is drawn, joint values by name [rad or m], and the layers that are shown."""
 ANSWERED = 60.0
 """How long a page may take to answer what it is asked [s], as on a slow network."""
+QUIET = "flat dense no-caps color=white"
+"""How the buttons at the top of a page look."""
 _STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
 """What an arrow key moves a slider by, in its unit."""
 _DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
@@ -88,6 +90,17 @@ def small_button(text: str, act: Callable[..., Any] | None = None, icon: str | N
 def row_of() -> ui.element:
     """A row of buttons and fields, which may break."""
     return ui.element("div").classes("studio-row")
+
+
+def section(kind: str, name: str) -> ui.element:
+    """A part of a page, with a name for those who do not see it."""
+    return ui.element("section").classes(kind).props(f'aria-label="{name}"')
+
+
+def toggle(choices: Any, told: str, act: Callable[..., Any], value: object = None) -> ui.toggle:  # noqa: ANN401 - NiceGUI's
+    """Buttons of which one is pressed."""
+    choices = choices if isinstance(choices, dict) else list(choices)
+    return ui.toggle(choices, value=value, on_change=act).props(f'dense unelevated no-caps aria-label="{told}"')
 
 
 class Panel:

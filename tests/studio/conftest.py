@@ -9,13 +9,14 @@ import socket
 import subprocess
 import sys
 import zlib
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 
 from dh2urdf.kinematics import forward_kinematics
@@ -67,15 +68,15 @@ def arm_of(catalog: Catalog) -> Callable[..., Manipulator]:
     return arm
 
 
-@pytest.fixture(scope="session", name="serving")
-def _serving() -> Callable[..., Any]:
+@pytest.fixture(scope="session")
+def serving() -> Callable[..., Any]:
     """Starts a command that serves, as a context manager that gives its address."""
     pytest.importorskip("nicegui")
-    return serving
+    return served
 
 
 @contextmanager
-def serving(*words: str | Path, port: int = 0) -> Iterator[str]:
+def served(*words: str | Path, port: int = 0) -> Iterator[str]:
     """The address at which a command of the project serves, in a process of its own, until the end of the block."""
     code = "from dh2urdf.cli import main; main()"
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
@@ -111,7 +112,7 @@ def parked() -> dict[str, list[Page]]:
 def studio_address(parked: dict[str, list[Page]]) -> Iterator[str]:
     """A studio with an empty table."""
     pytest.importorskip("nicegui")
-    with serving("studio") as address:
+    with served("studio") as address:
         parked[address] = []
         yield address
 
@@ -348,6 +349,17 @@ class Tab:
         numbers = self.page.evaluate(script, name)
         return [[numbers[4 * column + row] for column in range(4)] for row in range(4)]
 
+    def pixel(self, name: str, *place: float) -> Any:
+        """Where a place in a node [m], or its origin, is in the window [px]."""
+        script = """([name, place]) => {
+            const { camera, scene } = document.querySelector('.arm-view');
+            const node = scene.getObjectByName(name), box = document.querySelector('.arm-view canvas').getBoundingClientRect();
+            scene.updateMatrixWorld(), camera.updateMatrixWorld();
+            const point = node.position.clone().set(...place).applyMatrix4(node.matrixWorld).project(camera);
+            return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
+        }"""
+        return np.array(self.page.evaluate(script, [name, place or (0.0, 0.0, 0.0)]))
+
     def wait_for_pose(self, name: str, pose: Any) -> None:
         """Waits until a node is drawn at a pose, to 1e-6."""
         script = """([name, expected]) => {
@@ -394,14 +406,6 @@ class Tab:
             return head?.position.toArray().every((x, i) => Math.abs(x - tip[i]) < 1e-6);
         }"""
         self.page.wait_for_function(script, arg=[name, list(tip)])
-
-    def wait_for_nodes(self, *names: str) -> None:
-        """Waits until nodes with these names are in the scene."""
-        script = """names => {
-            const nodes = document.querySelector('.arm-view').scene.children[0].children.map(node => node.name);
-            return names.every(name => nodes.includes(name));
-        }"""
-        self.page.wait_for_function(script, arg=list(names))
 
     def wait_for_triangles(self, count: int) -> None:
         """Waits until so many triangles of links are in the scene, and no mesh is on its way."""
@@ -469,6 +473,23 @@ def new_tab(profile: BrowserContext, parked: dict[str, list[Page]]) -> Iterator[
     for tab in tabs:
         assert tab.foreign() == []
         assert tab in excused or tab.faults == []
+
+
+@pytest.fixture
+def open_view(new_tab: Callable[..., Tab]) -> Callable[..., AbstractContextManager[Tab]]:
+    """Opens `dh2urdf view` of some files in a tab, which has so many sliders."""
+
+    @contextmanager
+    def opened(*files: Path, sliders: int, faults: bool = True) -> Iterator[Tab]:
+        with served("view", *files) as address:
+            tab = new_tab(address, faults=faults)
+            tab.page.goto(address)
+            tab.page.wait_for_function(f"document.querySelectorAll('.joint-slider').length === {sliders}")
+            tab.page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
+            yield tab
+            tab.page.close()  # before its server ends, of which it would complain
+
+    return opened
 
 
 @pytest.fixture

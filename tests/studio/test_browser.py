@@ -140,21 +140,6 @@ def test_a_reload_and_another_tab(tab: Any, new_tab: Callable[..., Any], arm_of:
     assert other.cells(1, "a") == ["-0.425"]
 
 
-def test_sliders_move_the_arm(tab: Any, arm_of: Callable[..., Manipulator]) -> None:
-    """Seven joints of a modified table: after a random pose, zero and a key, the scene is the DH product of the sliders."""
-    page = tab.open("panda")
-    arm = arm_of(gallery_table("panda.yaml"))
-    for button in ("random pose", "zero"):
-        tab.press(button)
-        q = tab.sliders()
-        assert len(q) == 7
-        tab.wait_for_tool0(arm, q)
-    limits = [(row.limits.lower, row.limits.upper) for row in arm.moving_rows]
-    assert all(low <= value <= high for value, (low, high) in zip(q, limits, strict=True))
-    assert q[3] == pytest.approx(-0.0698)
-    tab.expect(page.locator(".studio-matrix")).to_contain_text("0.9249")
-
-
 def test_a_picked_row_stands_out(tab: Any) -> None:
     """The link of the row under the cursor is outlined and keeps its colour, its frame stands out, and no others."""
     page = tab.open("ur5")
@@ -274,30 +259,15 @@ def test_everything_is_saved(tab: Any, catalog: Catalog) -> None:
     """Every entry of the menu hands over the bytes that the command line would write."""
     tab.open("stanford")
     table = gallery_table("stanford.csv", catalog)
-    assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml").content)
-    assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact").content)
-    assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact").content)
+    assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
+    assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact", catalog).content)
+    assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
     assert tab.save("Robot as xacro") == (
         "stanford.urdf.xacro",
-        save.robot_file(table, "xacro", "exact").content,
+        save.robot_file(table, "xacro", "exact", catalog).content,
     )
     assert tab.save("Run file")[0] == "stanford_run.yaml"
-    assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact")))
-
-
-def test_rows_are_added_removed_and_moved(tab: Any) -> None:
-    """By key: a row more below, one up, one away; a spreadsheet's cells are pasted."""
-    page = tab.open("scara")
-    tab.cell(1, "joint").click()
-    page.keyboard.press("Alt+ArrowUp")
-    page.keyboard.press("Alt+Delete")  # at once: the cursor has gone with the row
-    tab.wait_for_status("3 axes")
-    tab.wait_for_cell(0, "joint", "shoulder")
-    page.keyboard.press("Alt+Insert")
-    tab.wait_for_status("3 problems")
-    tab.paste(1, "a", "0.1\tpi/2\t0.2\n")
-    tab.wait_for_status("4 axes; the arm is the table's")
-    tab.wait_for_cells(1, a="0.1", alpha="pi/2", d="0.2")
+    assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact", catalog)))
 
 
 def test_faults_of_the_server_are_told(tab: Any, arm_of: Callable[..., Manipulator]) -> None:

@@ -110,18 +110,6 @@ def test_a_header_is_understood(tab: Any) -> None:
     tab.wait_for_status("2 axes; the arm is the table's")
     tab.wait_for_cells(0, alpha="90", d="120")
 
-    # A convention that was chosen is that of a pasted table which names none.
-    paste(tab, 0, "a", "a\talpha\td\n0.1\tpi/2\t0.2\n0.3\t0\t0\n0.4\t0\t0\n")
-    tab.page.locator(".q-dialog").get_by_text("clipboard: 3 rows, standard, read as a CSV file is").wait_for()
-    for units in (
-        "lengths in mm, angles in rad",
-        "lengths in m, angles in rad",
-    ):  # the page has mm and deg: pi/2 is none
-        tab.page.get_by_role("button", name=f"Open it in place of this table: {units}").hover()
-    tab.page.get_by_role("button", name=f"Open it in place of this table: {units}").click()
-    tab.wait_for_status("3 axes; the arm is the table's")
-    tab.expect(tab.page.get_by_role("button", name="m", exact=True)).to_have_attribute("aria-pressed", "true")
-
 
 def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
     """Wherever the cursor is: a whole table is there at once, and a number is a number. Columns of an unknown order are asked about."""

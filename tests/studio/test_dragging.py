@@ -22,13 +22,6 @@ ROBOT = """<robot name="r">
   <axis xyz="0 0 1"/><limit lower="-0.7" upper="0.7" effort="1" velocity="1"/></joint>
 <joint name="push" type="prismatic"><parent link="arm"/><child link="slide"/><origin xyz="0.6 0 0"/><axis xyz="1 0 0"/>
   <limit lower="0" upper="6" effort="1" velocity="1"/></joint></robot>"""
-PIXEL = """([name, x, y, z]) => {
-    const { camera, scene } = document.querySelector('.arm-view');
-    const node = scene.getObjectByName(name), box = document.querySelector('.arm-view canvas').getBoundingClientRect();
-    scene.updateMatrixWorld(), camera.updateMatrixWorld();
-    const point = node.position.clone().set(x, y, z).applyMatrix4(node.matrixWorld).project(camera);
-    return [box.left + (point.x + 1) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
-}"""
 ANSWERED = """() => {
     const view = getElement(Number(document.querySelector('.arm-view').id.slice(1)));
     return !view.asked && !view.wanted;
@@ -42,9 +35,6 @@ class Hand:
 
     def __init__(self, tab: Any) -> None:
         self.tab, self.page = tab, tab.page
-
-    def pixel(self, name: str, *place: float) -> Any:
-        return np.array(self.page.evaluate(PIXEL, [name, *place]))
 
     def drag(self, start: Any, by: Any) -> list[float]:
         """Drags from a place, and gives the joint values that are there then."""
@@ -67,27 +57,23 @@ def drag_with_parallel_rays(tab: Any, hand: Hand) -> None:
     """The point that is held stays below the pointer in the orthographic camera, too."""
     hand.look("5")
     tab.set_sliders([0, 0])
-    start, end = hand.pixel("slide", 0.1, 0, 0), hand.pixel("slide", 0.4, 0, 0)
+    start, end = tab.pixel("slide", 0.1, 0, 0), tab.pixel("slide", 0.4, 0, 0)
     assert hand.drag(start, end - start)[1] == pytest.approx(0.3, abs=0.008)
     hand.look("7")
-    start, by = hand.pixel("arm", 0.45, 0, 0.05), (30, -4)
+    start, by = tab.pixel("arm", 0.45, 0, 0.05), (30, -4)
     assert hand.drag(start, by)[0] > 2
-    axis = hand.pixel("arm", 0, 0, 0.05)
-    here, there = (np.arctan2(*(point - axis)) for point in (start + by, hand.pixel("arm", 0.45, 0, 0.05)))
+    axis = tab.pixel("arm", 0, 0, 0.05)
+    here, there = (np.arctan2(*(point - axis)) for point in (start + by, tab.pixel("arm", 0.45, 0, 0.05)))
     assert here == pytest.approx(there, abs=0.01)
     hand.look("5")
 
 
-def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_link_follows_the_pointer(open_view: Callable[..., Any], tmp_path: Path) -> None:
     """It turns and slides below the pointer, inside its limits; elsewhere and without the hand the camera turns."""
     path = tmp_path / "r.urdf"
     path.write_text(ROBOT)
-    with serving("view", path) as address:
-        tab = new_tab(address)
+    with open_view(path, sliders=2) as tab:
         page, hand = tab.page, Hand(tab)
-        page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 2")
-        page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
 
         # The axes of the world are seen as the camera sees them: from above, x goes down and y to the right.
         hand.look("7")
@@ -99,19 +85,19 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
 
         # Without the hand the camera turns.
         before = page.evaluate(CAMERA)
-        assert hand.drag(hand.pixel("arm", 0.3, 0, 0.05), (20, 10)) == [0, 0]
+        assert hand.drag(tab.pixel("arm", 0.3, 0, 0.05), (20, 10)) == [0, 0]
         assert page.evaluate(CAMERA) != before
         hand.look("7")
 
         # With Shift the arm turns about its axis, and the point that is held stays below the pointer.
-        held, by = hand.pixel("arm", 0.45, 0, 0.05), np.array([60.0, -4.0])
+        held, by = tab.pixel("arm", 0.45, 0, 0.05), np.array([60.0, -4.0])
         before = page.evaluate(CAMERA)
         page.keyboard.down("Shift")
         turned, pushed = hand.drag(held, by)
         page.keyboard.up("Shift")
         assert (turned > 5, pushed) == (True, 0)
-        axis = hand.pixel("arm", 0, 0, 0.05)
-        here, there = (np.arctan2(*(point - axis)) for point in (held + by, hand.pixel("arm", 0.45, 0, 0.05)))
+        axis = tab.pixel("arm", 0, 0, 0.05)
+        here, there = (np.arctan2(*(point - axis)) for point in (held + by, tab.pixel("arm", 0.45, 0, 0.05)))
         assert here == pytest.approx(there, abs=0.01)
         assert page.evaluate(CAMERA) == before
 
@@ -119,7 +105,7 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         page.get_by_role("button", name="drag links").click()
         page.locator("button[aria-pressed=true]").wait_for()
         tab.settle()
-        start = hand.pixel("arm", 0.45, 0, 0.05)
+        start = tab.pixel("arm", 0.45, 0, 0.05)
         page.mouse.move(*(start + 1))
         page.wait_for_function("document.querySelector('.arm-view canvas').style.cursor === 'grab'")
         assert hand.drag(start, (200, -150))[0] == pytest.approx(np.degrees(0.7), abs=0.01)
@@ -127,9 +113,9 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
 
         # From the front the slide moves towards the camera: nobody can drag it from there.
         hand.look("1")
-        assert hand.drag(hand.pixel("slide", 0.1, 0, 0), (30, 0)) == [0, 0]
+        assert hand.drag(tab.pixel("slide", 0.1, 0, 0), (30, 0)) == [0, 0]
         hand.look("9")
-        start, end = hand.pixel("slide", 0.1, 0, 0), hand.pixel("slide", 0.4, 0, 0)
+        start, end = tab.pixel("slide", 0.1, 0, 0), tab.pixel("slide", 0.4, 0, 0)
         assert hand.drag(start, end - start)[1] == pytest.approx(0.3, abs=0.008)
 
         drag_with_parallel_rays(tab, hand)
@@ -137,19 +123,15 @@ def test_a_link_follows_the_pointer(new_tab: Callable[..., Any], serving: Callab
         # From the side the axis is upright in the picture: the arm turns back as its middle goes to the right.
         tab.set_sliders([30, 0])
         hand.look("3")
-        assert 10 < hand.drag(hand.pixel("arm", 0.3, -0.05, 0.0), (25, 0))[0] < 29
-        page.close()
+        assert 10 < hand.drag(tab.pixel("arm", 0.3, -0.05, 0.0), (25, 0))[0] < 29
 
 
-def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+def test_bodies_are_looked_through(open_view: Callable[..., Any], tmp_path: Path) -> None:
     """Those of one robot of two, in the scene and in the file that is made of it."""
     for name in "ab":
         (tmp_path / f"{name}.urdf").write_text(ROBOT.replace('name="r"', f'name="{name}"'))
-    with serving("view", tmp_path / "a.urdf", tmp_path / "b.urdf") as address:
-        tab = new_tab(address)
+    with open_view(tmp_path / "a.urdf", tmp_path / "b.urdf", sliders=4) as tab:
         page = tab.page
-        page.goto(address)
-        page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")
         page.get_by_role("button", name="opacity").click()
         page.get_by_label("opacity of b").press("Home")
         script = """() => {
@@ -166,4 +148,3 @@ def test_bodies_are_looked_through(new_tab: Callable[..., Any], serving: Callabl
         scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False)
         opacities = [int(mesh.visual.material.baseColorFactor[3]) for mesh in scene.geometry.values()]
         assert set(opacities) == {26, 255}
-        page.close()

@@ -44,12 +44,6 @@ LINES = """() => {
     });
     return found;
 }"""
-IN_PICTURE = """name => {
-    const view = document.querySelector('.arm-view'), node = view.scene.getObjectByName(name);
-    view.scene.updateMatrixWorld();
-    view.camera.updateMatrixWorld();
-    return view.camera.position.clone().setFromMatrixPosition(node.matrixWorld).project(view.camera).toArray();
-}"""
 LAYER = """layer => {
     const found = [];
     document.querySelector('.arm-view').scene.traverse(part => part.userData.layer === layer && part.visible && found.push(part.parent.name));
@@ -78,8 +72,8 @@ def outlined_and_followed(tab: Any) -> None:
         page.wait_for_function(f"name => ({OUTLINED})(name) === {str(is_on).lower()}", arg="gripper/left")
 
     def moved(position: float) -> float:
-        """How far the link is in the picture from where it was, once its joint is elsewhere."""
-        before = page.evaluate(IN_PICTURE, "gripper/left")
+        """How far the link is in the picture from where it was, once its joint is elsewhere [px]."""
+        before = tab.pixel("gripper/left")
         page.get_by_label("gripper/l in m").fill(str(position))
         page.get_by_label("gripper/l in m").press("Enter")
         script = """y => {
@@ -87,10 +81,10 @@ def outlined_and_followed(tab: Any) -> None:
             return Math.abs(view.scene.getObjectByName('gripper/left').matrix.elements[13] - y) < 1e-9 && !view.goes;
         }"""
         page.wait_for_function(script, arg=0.02 + position)
-        return max(abs(a - b) for a, b in zip(before, page.evaluate(IN_PICTURE, "gripper/left"), strict=True))
+        return float(max(abs(before - tab.pixel("gripper/left"))))
 
-    assert moved(0.01) > 0.01
-    for check in (lambda way: way < 1e-6, lambda way: way > 0.01):
+    assert moved(0.01) > 1
+    for check in (lambda way: way < 1e-3, lambda way: way > 1):
         page.get_by_role("button", name="look from a side").click()
         page.get_by_role("menuitemcheckbox", name="follow what is picked").click()
         page.wait_for_function("!document.querySelector('.q-menu')")
@@ -99,16 +93,11 @@ def outlined_and_followed(tab: Any) -> None:
 
 
 @pytest.mark.long
-def test_links_are_picked_hidden_and_unfolded(
-    new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_links_are_picked_hidden_and_unfolded(open_view: Callable[..., Any], tmp_path: Path) -> None:
     """By keys alone, and back from the scene; a joint that follows another moves with it and has no slider."""
     (tmp_path / "gripper.urdf").write_text(GRIPPER)
-    with serving("view", tmp_path / "gripper.urdf", UR5) as address:
-        tab = new_tab(address)
+    with open_view(tmp_path / "gripper.urdf", UR5, sliders=7) as tab:
         page = tab.page
-        page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 7")
         page.get_by_role("button", name="at one place").click()
 
         # A follower.
@@ -149,16 +138,7 @@ def test_links_are_picked_hidden_and_unfolded(
         tab.expect(items.nth(0)).to_have_attribute("aria-checked", "mixed")
 
         # From the scene into the tree: nothing that is hidden can be picked.
-        page.evaluate(
-            """() => {
-                const view = document.querySelector('.arm-view');
-                const node = view.scene.getObjectByName('gripper/left');
-                const at = node.position.clone().setFromMatrixPosition(node.matrixWorld).project(view.camera);
-                const canvas = view.querySelector('canvas'), box = canvas.getBoundingClientRect();
-                const [x, y] = [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height];
-                canvas.dispatchEvent(new MouseEvent('dblclick', {clientX: x, clientY: y, bubbles: true}));
-            }"""
-        )
+        page.mouse.dblclick(*tab.pixel("gripper/left"))
         page.wait_for_function(OUTLINED, arg="gripper/left")
         page.locator(".robot-tree [aria-selected=true]", has_text="left").wait_for()
 
@@ -178,4 +158,3 @@ def test_links_are_picked_hidden_and_unfolded(
         page.wait_for_function(HIDDEN, arg="gripper/right")
         page.reload()
         page.wait_for_function(HIDDEN, arg="gripper/right")
-        page.close()

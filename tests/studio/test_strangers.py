@@ -112,17 +112,3 @@ def test_a_hostile_page(studio_address: str, hostile_page: str, chromium: Browse
     finally:
         context.close()
     assert tab.status == "6 axes; the arm is the table's"
-
-
-def test_the_same_page_of_the_own_origin_would_get_in(tab: Any) -> None:
-    """The same socket, opened by the studio's own page, opens: what keeps the hostile one out is where it comes from."""
-    page = tab.open()
-    opened = page.evaluate(
-        """url => new Promise(resolve => {
-            const socket = new WebSocket(url);
-            socket.onopen = () => { socket.close(); resolve(true); };
-            socket.onerror = () => resolve(false);
-        })""",
-        f"ws://{urlsplit(tab.address).netloc}{SOCKET}",
-    )
-    assert opened

@@ -23,16 +23,11 @@ pytestmark = pytest.mark.long
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
-def test_a_cell_and_an_arm_in_one_scene(
-    new_tab: Callable[..., Any], serving: Callable[..., Any], catalog: Catalog
-) -> None:
+def test_a_cell_and_an_arm_in_one_scene(open_view: Callable[..., Any], catalog: Catalog) -> None:
     """A dual-arm cell and a table beside it: sliders for all joints, and every tool0 where its kinematics has it."""
     paths = [CONFIGS / "pair.yaml", CONFIGS / "tables" / "panda.yaml"]
-    with serving("view", *paths) as address:
-        tab = new_tab(address)
+    with open_view(*paths, sliders=19) as tab:
         page = tab.page
-        page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.joint-slider').length === 19")
         tab.press("random pose")
         view = View(load_figures(paths, catalog))
         shown = [slider.value(x) for slider, x in zip(view.sliders, tab.sliders(), strict=True)]
@@ -70,7 +65,6 @@ def test_a_cell_and_an_arm_in_one_scene(
         page.wait_for_function(
             "document.querySelector('.arm-view').scene.getObjectByName('panda/base_link').matrixWorld.elements[13] === 0"
         )
-        page.close()  # before its server ends, of which it would complain
 
 
 MESHES = """<?xml version="1.0"?>
@@ -101,7 +95,7 @@ COLOURS = """() => {
 }"""
 
 
-def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., Any], tmp_path: Path) -> None:
+def test_meshes_are_drawn(open_view: Callable[..., Any], tmp_path: Path) -> None:
     """The files that a description names, from its package or beside it, and nothing else; what is missing is named."""
     package = tmp_path / "arm_description"
     (package / "meshes").mkdir(parents=True)
@@ -121,10 +115,10 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
     Image.new("RGB", (8, 4)).save(tmp_path / "secret.png")
     (package / "meshes" / "broken.stl").write_text("solid x\nendsolid x\n")
     (package / "arm.urdf").write_text(MESHES)
-    with serving("view", package / "arm.urdf") as address:
-        tab = new_tab(address, faults=False)  # the browser complains of the file that is no mesh
+    with open_view(
+        package / "arm.urdf", sliders=2, faults=False
+    ) as tab:  # the browser complains of a file that is no mesh
         page = tab.page
-        page.goto(address)
         page.get_by_text("1 mesh file was not found: meshes/gone.stl").wait_for()
         page.locator(".q-notification", has_text="'broken.stl' cannot be read").wait_for()
         page.locator(".q-notification", has_text="'thief.obj' names '../../secret.png': it is outside of").wait_for()
@@ -183,4 +177,3 @@ def test_meshes_are_drawn(new_tab: Callable[..., Any], serving: Callable[..., An
         painted_ones = {"#0000ff", "#ff8800", "#ffffff", "#00ff00", "#d93373"}
         assert set(page.evaluate(COLOURS)) == painted_ones, "those that have a colour keep it"
         assert tab.foreign() == []
-        page.close()

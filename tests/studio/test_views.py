@@ -64,17 +64,7 @@ SEEN = f"""() => {{
     const [near, far] = [[0, 0, 0], [0.5, 0, 0]].map((at) => camera.position.clone().set(...at).project(camera).toArray());
     return [camera.isOrthographicCamera ?? false, points, near, far];
 }}"""
-PIXEL = f"""(at) => {{
-    const {{ left, top, width, height }} = {ARM}.getBoundingClientRect(), {{ x, y }} = at.project({ARM}.camera);
-    return [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
-}}"""
-BESIDE = f"""() => {{
-    const node = {ARM}.scene.getObjectByName('tool0');
-    const [x, y] = ({PIXEL})(node.position.clone().setFromMatrixPosition(node.matrixWorld));
-    const label = [...document.querySelectorAll('.arm-view-label')].find((one) => one.textContent.includes('tool0'));
-    const box = label.getBoundingClientRect();
-    return [Math.max(box.left - x, x - box.right, 0), Math.max(box.top - y, y - box.bottom, 0)];
-}}"""
+SIZES = ("width", "height")
 COVERED = """() => {
     const own = document.querySelector('.arm-view-projection').getBoundingClientRect();
     return [...document.querySelectorAll('.arm-view-label')].filter((label) => {
@@ -82,13 +72,6 @@ COVERED = """() => {
         return shown && box.right > own.left && box.left < own.right && box.top < own.bottom && box.bottom > own.top;
     }).map((label) => label.textContent);
 }"""
-MIDDLE = f"""(row) => {{
-    let found;
-    {ARM}.scene.traverse((part) => {{
-        if (part.userData.layer === 'links' && part.parent.userData.row === row && part.isMesh) found ??= part;
-    }});
-    return ({PIXEL})(found.geometry.boundingBox.getCenter(found.position.clone()).applyMatrix4(found.matrixWorld));
-}}"""
 TURNED = f"share => getElement(Number({ARM}.id.slice(1))).turn(share, 640)"
 
 
@@ -173,8 +156,10 @@ def test_orthographic(tab: Any) -> None:
     eye.sees_all(parallel=True)
 
     # A label is at its point, and a double click picks the link that is there.
-    assert np.hypot(*page.evaluate(BESIDE)) < 60
-    page.mouse.dblclick(*page.evaluate(MIDDLE, 2))
+    box, at = page.locator(".arm-view-label", has_text="tool0").first.bounding_box(), tab.pixel("tool0")
+    beside = [max(box[side] - x, x - box[side] - box[size], 0) for side, size, x in zip("xy", SIZES, at, strict=True)]
+    assert np.hypot(*beside) < 60
+    page.mouse.dblclick(*(tab.pixel("frame 2") + tab.pixel("frame 3")) / 2)
     page.locator(".dh-table .ag-row[row-index='2'].dh-picked").first.wait_for()
 
     # The button is the way back; near the arm the switch keeps what a person looks at.

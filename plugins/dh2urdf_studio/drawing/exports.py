@@ -12,13 +12,14 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages
 from dh2urdf_studio.drawing.mesh_files import creased, surfaces
+from dh2urdf_studio.drawing.scene import from_root
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from dh2urdf_studio.drawing.mesh_files import DrawnMesh, Surface
     from dh2urdf_studio.drawing.parts import ScenePart
-    from dh2urdf_studio.drawing.scene import Drawing, Figure
+    from dh2urdf_studio.drawing.scene import Drawing
 
 say = Messages(__file__)
 
@@ -55,7 +56,8 @@ def glb(drawing: Drawing, q: Mapping[str, float], layers: Collection[str], name:
     pieces = _Pieces()
     scene.graph.update(frame_to=name, frame_from=scene.graph.base_frame, matrix=np.array(_Y_UP))
     matrices = {node.name: as_matrices(pose) for node, pose in zip(drawing.nodes, drawing.poses(q), strict=True)}
-    holders = {child: holder for figure in drawing.figures for child, holder in _held(figure)}
+    links = ((figure.name, *each) for figure in drawing.figures for each in from_root(figure.robot))
+    holders = {before + link.name: before + holder if holder else "" for before, link, holder in links}
     nodes = {node.name: node for node in drawing.nodes}
     # What holds comes first; the rest, DH frames for one, is held by nothing.
     for each in [*holders, *(node for node in nodes if node not in holders)]:
@@ -71,22 +73,6 @@ def glb(drawing: Drawing, q: Mapping[str, float], layers: Collection[str], name:
     if not scene.geometry:
         raise OutputError(say("nothing-shown"))
     return bytes(scene.export(file_type="glb", include_normals=True))
-
-
-def _held(figure: Figure) -> Iterator[tuple[str, str]]:
-    """The links of a robot that the root holds, after the ones that hold them, with their names; "" holds the root."""
-    robot, before = figure.robot, figure.name
-    children = {joint.child for joint in robot.joints}
-    waiting = [link.name for link in robot.links if link.name not in children]
-    seen = set(waiting)
-    yield from ((before + root, "") for root in waiting)
-    while waiting:
-        holder = waiting.pop()
-        for joint in robot.joints:
-            if joint.parent == holder and joint.child not in seen:
-                seen.add(joint.child)
-                waiting.append(joint.child)
-                yield before + joint.child, before + holder
 
 
 class _Pieces:

@@ -214,6 +214,18 @@ def numbers(pose: RigidTransform) -> list[float]:
     return [round(x, _DECIMALS) for x in (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2])]
 
 
+def from_root(robot: Robot) -> Iterator[tuple[Link, str]]:
+    """The links, each behind the one that holds it and with its name, branch after branch; unreached ones last."""
+    links = {link.name: link for link in robot.links}
+    holders = {joint.child: joint.parent for joint in reversed(robot.joints)}
+    waiting = [*reversed(links), *(name for name in reversed(links) if name not in holders)]
+    while waiting:
+        name = waiting.pop()
+        if (link := links.pop(name, None)) is not None:
+            yield link, holders.get(name, "")
+            waiting += [joint.child for joint in reversed(robot.joints) if joint.parent == name]
+
+
 def extent(robot: Robot) -> float:
     """An upper bound of the distance of any link from the root, prismatic joints at their farther limit [m]."""
     far: dict[str, float] = {}

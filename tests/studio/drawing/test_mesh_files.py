@@ -28,23 +28,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system import Catalog
 
-COLOURED = """<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit meter="0.001"/><up_axis>Y_UP</up_axis></asset>
-<library_effects><effect id="e"><profile_COMMON><technique sid="t"><lambert>
-<diffuse><color>0.2 0.4 0.6 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
-<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
-<library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="9">0 0 0 1000 0 0 0 2000 0</float_array><technique_common>
-<accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
-<param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="1" material="s"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
-</mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"><bind_material><technique_common>
-<instance_material symbol="s" target="#m"/></technique_common></bind_material></instance_geometry></node>
-</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
-
 
 def parts(mesh: DrawnMesh) -> list[tuple[Any, Any, Any]]:
     """Colour, positions (N, 3) and normals (N, 3) of the corners of all triangles, for each part."""
@@ -97,14 +80,15 @@ def test_corners_that_are_alike_are_one(tmp_path: Path, name: str, count: int) -
     assert (len(surface.positions), surface.faces.shape) == (count, shape.faces.shape)
 
 
-@pytest.mark.parametrize(("as_in_ros", "sizes"), [(True, (1, 2, 0)), (False, (1, 0, 2))])
+@pytest.mark.parametrize(("as_in_ros", "sizes"), [(True, (1, 1, 0)), (False, (1, 0, 1))])
 def test_the_unit_the_axis_up_and_the_colour_of_collada(
     tmp_path: Path, sizes: tuple[int, ...], *, as_in_ros: bool
 ) -> None:
     path = tmp_path / "plate.dae"
-    path.write_text(COLOURED)
+    coloured = DAE.replace('<texture texture="m" texcoord="UV"/>', "<color>0.2 0.4 0.6 1</color>")
+    path.write_text(coloured.replace("<up_axis>Z_UP</up_axis>", '<unit meter="0.001"/><up_axis>Y_UP</up_axis>'))
     ((rgba, positions, _),) = parts(DrawnMesh(path=path, as_in_ros=as_in_ros))
-    assert np.ptp(positions, axis=0) == pytest.approx(sizes, abs=1e-6)
+    assert 1000 * np.ptp(positions, axis=0) == pytest.approx(sizes, abs=1e-6)
     assert rgba == pytest.approx([0.2, 0.4, 0.6, 1.0], abs=0.003)
 
 

@@ -98,15 +98,6 @@ def test_figures_stand_at_their_places(reference_robots: list[ReferenceRobot], c
     assert np.allclose(np.subtract(there, here), [0, 2, 0])
 
 
-def test_meshes_that_are_not_there_are_named() -> None:
-    """The page names a mesh whose file nobody finds."""
-    mesh = Visual(geometry=Mesh(filename="package://x/arm.stl"))
-    robot = Robot(name="x", links=(Link(name="base", visuals=(mesh,)),), joints=())
-    drawing = Drawing.of([Figure(robot=robot)])
-    assert drawing.unseen == ("package://x/arm.stl",)
-    assert [part.shape for node in drawing.nodes for part in node.parts] == []
-
-
 def test_a_link_with_nothing_to_draw_is_sticks() -> None:
     """From its origin to the joints that it holds, as far as they are elsewhere."""
     links = tuple(Link(name=name) for name in ("root", "arm", "here"))
@@ -147,11 +138,7 @@ def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
     assert axes @ np.diag(np.square(drawn.size)) @ axes.T == pytest.approx(
         turn @ np.diag([0.01, 0.04, 0.09]) @ turn.T, abs=1e-4
     )
-
-
-def test_an_inertia_that_no_body_has_is_no_ellipsoid() -> None:
-    """Its centre of mass is drawn all the same."""
-    inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=3.0))
+    inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=3.0))  # which no body has
     drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
     assert {part.layer for node in drawing.nodes for part in node.parts} == {"masses"}
 

@@ -115,18 +115,6 @@ def test_parallel_axes_and_axes_that_meet(catalog: Catalog) -> None:
             assert normal.direction == pytest.approx(product, abs=1e-9)
 
 
-def test_a_negative_a() -> None:
-    table = some_table(Convention.MODIFIED, 1)
-    for number, row in enumerate(table.rows):
-        way = (
-            f"from z<sub>{number + 1}</sub> to z<sub>{number}</sub>, as a is negative"
-            if row.a < 0
-            else (f"from z<sub>{number}</sub> to z<sub>{number + 1}</sub>.")
-        )
-        assert f"x<sub>{number}</sub> points along it, {way}" in where_x_is(table, {"j0": 0.3}, number)
-    assert {row.a < 0 for row in table.rows} == {True, False}
-
-
 @pytest.mark.parametrize("convention", list(Convention))
 def test_what_is_drawn(convention: Convention) -> None:
     """Axes through both feet, each a and d with its index and its length; of one row, its own alone."""

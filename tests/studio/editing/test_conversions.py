@@ -118,32 +118,15 @@ class TestUnits:
 
     def test_cells_with_a_unit_stay(self, arm_of: Arms) -> None:
         """Only texts without a unit are written anew, symbols of the joint variable kept in them."""
-        rows = (
-            {
-                "type": "R",
-                "a": "0.3",
-                "alpha": "90°",
-                "d": "120 mm",
-                "theta": "q1 - pi/2",
-                "lower": "-pi",
-                "upper": "pi",
-            },
-            {"type": "P", "a": "1/4", "alpha": "-pi/2", "d": "0.1 - q2", "theta": "0", "lower": "0", "upper": "0.2"},
-        )
-        table = TableText(name="x", convention="standard", base="{xyz: [0, 0, 0.3]}", rows=rows)
+        fields = ("type", "a", "alpha", "d", "theta", "lower", "upper")
+
+        def rows(*texts: str) -> tuple[dict[str, str], ...]:
+            return tuple(dict(zip(fields, text.split("|"), strict=True)) for text in texts)
+
+        typed = rows("R|0.3|90°|120 mm|q1 - pi/2|-pi|pi", "P|1/4|-pi/2|0.1 - q2|0|0|0.2")
+        table = TableText(name="x", convention="standard", base="{xyz: [0, 0, 0.3]}", rows=typed)
         there = with_units(table, arm_of(table), "mm", "deg")
-        assert there.rows == (
-            {
-                "type": "R",
-                "a": "300",
-                "alpha": "90°",
-                "d": "120 mm",
-                "theta": "q1 - 90",
-                "lower": "-180",
-                "upper": "180",
-            },
-            {"type": "P", "a": "250", "alpha": "-90", "d": "-q2 + 100", "theta": "0", "lower": "0", "upper": "200"},
-        )
+        assert there.rows == rows("R|300|90°|120 mm|q1 - 90|-180|180", "P|250|-90|-q2 + 100|0|0|200")
         assert there.base == "{xyz: [0, 0, 300]}"
         assert arm_of(there) == arm_of(table)
 

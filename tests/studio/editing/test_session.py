@@ -27,18 +27,6 @@ def pose_of(session: Session, name: str) -> np.ndarray:
     return as_matrices(session.drawing.poses(session.joint_values())[names.index(name)])
 
 
-def test_the_last_good_arm_stays(session: Session) -> None:
-    """A wrong cell changes nothing on the screen; when it is right again, the arm follows."""
-    before = session.arm
-    session.edit(1, "a", "-0.4x5")
-    assert session.arm is before
-    assert session.reading.errors
-    session.edit(1, "a", "-0.5")
-    assert not session.reading.errors
-    assert session.arm is not None
-    assert session.arm.manipulator.rows[1].a == -0.5
-
-
 def test_no_arm_is_left_of_another_table(session: Session) -> None:
     """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
     for row in range(6):
@@ -59,21 +47,6 @@ def test_a_table_without_a_convention_is_opened_without_an_arm(session: Session)
     assert session.arm is not None
 
 
-def test_undo_brings_back_table_and_arm(session: Session) -> None:
-    """One step back, one forward, and a new edit forgets what was undone."""
-    session.edit(1, "a", "-0.5")
-    session.undo()
-    assert session.table.rows[1]["a"] == "-0.425"
-    assert session.arm is not None
-    assert session.arm.manipulator.rows[1].a == -0.425
-    session.redo()
-    assert session.table.rows[1]["a"] == "-0.5"
-    session.undo()
-    session.edit(2, "a", "-0.3")
-    session.redo()
-    assert session.table.rows[1]["a"] == "-0.425"
-
-
 def test_a_preview_is_on_the_screen_and_in_no_table(session: Session) -> None:
     """What is being typed moves the arm; half a number changes nothing; afterwards all is as it was."""
     before = session.arm
@@ -90,14 +63,6 @@ def test_a_preview_is_on_the_screen_and_in_no_table(session: Session) -> None:
     session.preview(0, "d", "0.5")
     session.look()
     assert session.arm is good, "beside a wrong cell, the last good arm comes back"
-
-
-def test_joint_values_stay_where_they_can(session: Session) -> None:
-    """An edit keeps the pose, inside limits that have become narrower."""
-    session.move({"elbow_joint": 2.0, "wrist_1_joint": 1.0})
-    session.edit(2, "upper", "1.5")
-    assert session.q["elbow_joint"] == 1.5
-    assert session.q["wrist_1_joint"] == 1.0
 
 
 def test_half_a_limit_moves_no_joint(session: Session) -> None:
@@ -147,33 +112,6 @@ def test_the_pose_is_the_dh_product(session: Session) -> None:
     assert np.allclose(pose_of(session, "frame 6"), as_matrices(session.pose), atol=1e-12)
 
 
-def test_reinterpreting_keeps_the_numbers(session: Session) -> None:
-    """The same numbers in the other convention are another arm; converted, they are the same arm."""
-    session.move(dict.fromkeys(session.q, 0.2))
-    before = session.pose
-    assert before is not None
-    rows = session.table.rows
-    session.set_convention(Convention.MODIFIED, convert=True)
-    assert session.pose is not None
-    assert np.allclose(as_matrices(session.pose), as_matrices(before), atol=1e-12)
-    session.undo()
-    session.set_convention(Convention.MODIFIED, convert=False)
-    assert session.table.rows == rows
-    assert session.pose is not None
-    assert not np.allclose(as_matrices(session.pose), as_matrices(before), atol=1e-3)
-
-
-def test_units_are_converted_or_reinterpreted(session: Session) -> None:
-    """-0.425 m is -425 mm; or the numbers stay, and the arm is a thousand times smaller."""
-    session.set_units("mm", "deg", convert=True)
-    assert session.table.rows[1]["a"] == "-425"
-    assert session.reach == pytest.approx(1.19251)
-    session.undo()
-    session.set_units("mm", "rad", convert=False)
-    assert session.table.rows[1]["a"] == "-0.425"
-    assert session.reach == pytest.approx(1.19251e-3)
-
-
 def test_the_paper_stands_beside_the_arm(session: Session) -> None:
     """Side by side, both robots have poses of their own, and the distance of their tool0 is told."""
     assert session.arm is not None
@@ -194,3 +132,22 @@ def test_columns_are_those_of_the_form_and_those_in_use(session: Session) -> Non
     assert "mass" not in session.columns
     session.all_columns = True
     assert "izz" in session.columns
+
+
+def test_convention_and_units_are_converted_or_reinterpreted(session: Session) -> None:
+    """The same arm with other numbers, or the same numbers of another arm; undo brings both back."""
+    session.move(dict.fromkeys(session.q, 0.2))
+    before, rows = session.pose, session.table.rows
+    assert before is not None
+    for change, factor in (
+        (lambda convert: session.set_convention(Convention.MODIFIED, convert=convert), None),
+        (lambda convert: session.set_units("mm", "deg" if convert else "rad", convert=convert), 1e-3),
+    ):
+        for convert in (True, False):
+            change(convert)
+            assert session.pose is not None
+            same = np.allclose(as_matrices(session.pose), as_matrices(before), atol=1e-12)
+            assert (same, session.table.rows == rows) == (convert, not convert)
+            assert factor is None or session.reach == pytest.approx(1.19251 * (1.0 if convert else factor))
+            session.undo()
+    assert (session.table.rows, session.pose) == (rows, before)

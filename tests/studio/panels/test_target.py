@@ -31,6 +31,12 @@ def ur5(tab: Any) -> Any:
     return tab
 
 
+ANSWERED = """() => {
+    const view = getElement(Number(document.querySelector('.arm-view').id.slice(1)));
+    return !view.asked && !view.wanted;
+}"""
+
+
 def box(tab: Any, name: str) -> Any:
     return tab.page.get_by_label(f"{name} of tool0", exact=True)
 
@@ -109,24 +115,19 @@ def test_tool0_is_dragged(ur5: Any, arm_of: Callable[..., Manipulator]) -> None:
     tab.set_sliders([-2.5, -1.9, 2.0, -1.7, -1.57, 0.0])  # far from limits and singularities
     tab.wait_for_tool0(arm)
     before = matrix_of(tab, arm)
-    script = """() => {
-        const view = document.querySelector('.arm-view'), box = view.querySelector('canvas').getBoundingClientRect();
-        const at = view.scene.getObjectByName('handle').position.clone().project(view.camera);
-        return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height, view.camera.position.toArray()];
-    }"""
-    x, y, camera = page.evaluate(script)
+    camera = "document.querySelector('.arm-view').camera.position.toArray()"
+    looks, (x, y) = page.evaluate(camera), tab.pixel("handle")
     page.mouse.move(x, y)
     page.mouse.down()
     for step in range(1, 6):
         page.mouse.move(x - 4 * step, y + 3 * step)
     page.mouse.up()
-    page.wait_for_function(
-        "([x, y]) => { const [a, b] = (" + script + ")(); return Math.hypot(a - x, b - y) < 2; }", arg=[x - 20, y + 15]
-    )
+    page.wait_for_function(ANSWERED)
     tab.settle()  # the sliders follow the arm
     after = matrix_of(tab, arm)
     assert np.abs(after[:3, :3] - before[:3, :3]).max() < 5e-4
     assert np.linalg.norm(after[:3, 3] - before[:3, 3]) > 0.02
-    assert page.evaluate(script)[2] == camera
+    assert np.hypot(*(tab.pixel("handle") - (x - 20, y + 15))) < 2
+    assert page.evaluate(camera) == looks
     page.get_by_role("button", name="set the pose of tool0").click()
     page.wait_for_function("!document.querySelector('.arm-view').scene.getObjectByName('handle').visible")

@@ -424,7 +424,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 8210,
     "plugins/dh2urdf_plugins/transforms": 2310,
     "plugins/dh2urdf_plugins/xacro_fence": 770,
-    "plugins/dh2urdf_studio": 7410,
+    "plugins/dh2urdf_studio": 7100,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

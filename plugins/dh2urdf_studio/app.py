@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from fastapi import Response
 from nicegui import Client, app, core, ui
@@ -24,7 +25,7 @@ from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
@@ -36,7 +37,6 @@ MOST_PAGES = 1000
 KINDS = ("event", "javascript_response")
 """The messages of NiceGUI that are acts: what was done to an element, and what the page was asked for."""
 _HERE = Path(__file__).parent
-S = TypeVar("S")
 
 
 class Arrivals:
@@ -80,37 +80,17 @@ class Arrivals:
         core.sio.on("act", answer)
 
 
-class Sessions(Generic[S]):
-    """What tabs show, by tab."""
-
-    def __init__(self, new: Callable[[], S]) -> None:
-        self._new = new
-        self._of: OrderedDict[str, S] = OrderedDict()
-
-    def all(self) -> list[S]:
-        """What all tabs show."""
-        return list(self._of.values())
-
-    async def of_this_tab(self) -> S:
-        """What the tab shows that asks for a page, as soon as it has said which it is."""
-        await ui.context.client.connected(timeout=30.0)
-        return self.of(str(ui.context.client.tab_id))
-
-    def of(self, tab: str) -> S:
-        """What a tab shows."""
-        if tab not in self._of:
-            self._of[tab] = self._new()
-        self._of.move_to_end(tab)
-        while len(self._of) > MOST_SESSIONS:
-            self._of.popitem(last=False)
-        return self._of[tab]
+async def _tab() -> str:
+    """The tab that asks for a page, as soon as it has said which it is."""
+    await ui.context.client.connected(timeout=30.0)
+    return str(ui.context.client.tab_id)
 
 
 def build_studio(catalog: Catalog, table: TableText | None) -> None:
     """Declares the page of the studio."""
     arrivals = Arrivals()
     arrivals.serve()
-    sessions = Sessions(lambda: Session(catalog, table))
+    session_of = lru_cache(MOST_SESSIONS)(lambda _: Session(catalog, table))
     meshes = MeshStore({})
     app.on_shutdown(meshes.close)
     _serve(meshes)
@@ -125,7 +105,7 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
         ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
         client = ui.context.client
         try:
-            await StudioPage(await sessions.of_this_tab(), meshes).start()
+            await StudioPage(session_of(await _tab()), meshes).start()
         except TimeoutError:  # a page that was closed or loaded anew on the way answers no more, and nothing is lost
             if client.has_socket_connection:
                 raise
@@ -158,14 +138,14 @@ def build_view(first: View, meshes: MeshStore) -> None:
     """Declares the page that shows some robots."""
     Arrivals().serve()
     live = LiveJoints(first)
-    views = Sessions(lambda: live.begin(View(first.figures)))
-    serve_joints(live, views.all)
+    view_of = lru_cache(MOST_SESSIONS)(lambda _: live.begin(View(first.figures)))
+    serve_joints(live)
     _serve(meshes)
 
     @ui.page("/")
     async def view() -> None:
         dress()
-        await ViewPage(await views.of_this_tab(), live).start()
+        await ViewPage(view_of(await _tab()), live).start()
 
 
 def dress() -> None:

@@ -108,11 +108,6 @@ def reach(manipulator: Manipulator, of: Sequence[Slider]) -> float:
     return chain.reach(manipulator) + travel
 
 
-def zero(of: Sequence[Slider]) -> dict[str, float]:
-    """All joints at 0, or at what is nearest to it inside their limits."""
-    return kept({}, of)
-
-
 def anywhere(of: Sequence[Slider]) -> dict[str, float]:
     """Every joint somewhere inside its limits."""
     return {slider.name: random.uniform(slider.lower, slider.upper) for slider in of}  # noqa: S311 - a pose, no secret

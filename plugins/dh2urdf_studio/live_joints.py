@@ -9,6 +9,7 @@ nothing answers that question.
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+from weakref import WeakSet
 
 from fastapi import Request  # noqa: TC002 - FastAPI reads the annotation
 from fastapi.responses import JSONResponse
@@ -19,7 +20,7 @@ from dh2urdf.errors import InputError
 from dh2urdf.source import Messages, did_you_mean, listed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Mapping
 
     from dh2urdf_studio.viewing import View
     from dh2urdf_studio.widgets import ArmView
@@ -50,6 +51,7 @@ class LiveJoints:
         self.pages: set[PageFollower] = set()
         self._first = first
         self._given: dict[str, float] = {}
+        self._views = WeakSet([first])  # of all tabs
 
     @property
     def q(self) -> Mapping[str, float]:
@@ -63,9 +65,10 @@ class LiveJoints:
     def begin(self, view: View) -> View:
         """A new view, with the values that programs have given."""
         view.move(self._given)
+        self._views.add(view)
         return view
 
-    def take(self, text: bytes, views: Iterable[View]) -> list[str]:
+    def take(self, text: bytes) -> list[str]:
         """Moves the joints of the views of all tabs as a program asks for.
 
         Returns:
@@ -75,7 +78,7 @@ class LiveJoints:
             InputError: a part of the request is wrong; no joint has moved.
         """
         values = self._read(text)
-        for view in (self._first, *views):
+        for view in self._views:
             view.move(values)
         self._given |= {name: self.q[name] for name in values}
         for page in self.pages:
@@ -102,7 +105,7 @@ class LiveJoints:
         return values
 
 
-def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:
+def serve_joints(live: LiveJoints) -> None:
     """Declares the routes by which programs read and set the joint values of all tabs."""
 
     async def get_positions() -> JSONResponse:
@@ -114,7 +117,7 @@ def serve_joints(live: LiveJoints, views: Callable[[], Iterable[View]]) -> None:
         if int(request.headers.get("content-length", "0")) > LARGEST_REQUEST:
             return _refusal(f"the request has more than {LARGEST_REQUEST // 2**20} MB", 413)
         try:
-            limited = live.take(await request.body(), views())
+            limited = live.take(await request.body())
         except InputError as error:
             return _refusal(str(error), 400)
         return JSONResponse({"is_ok": True, "reason": "", "limited": limited})

@@ -423,7 +423,7 @@ class StudioPage:
         self.session.opacities = {"": opacity, f"{self.session.variants[-1]}/": opacity}
         self._view.run_method("fade", self.session.opacities)
 
-    def _show_handle(self, shown: bool) -> None:  # noqa: FBT001 - what is told
+    def _show_handle(self, shown: bool) -> None:  # noqa: FBT001 - of the panel
         self._view.run_method("showHandle", shown)
 
     def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)

@@ -157,8 +157,12 @@ class Guard:
             return
         headers = {name.lower(): value for name, value in scope["headers"]}
         refusal, status = self.refusal(scope["type"], headers), 403
-        if refusal is None and (refusal := self._too_much(headers)):
-            status = 413
+        if refusal is None:  # the server cuts off what is beyond the length that a request has
+            length = headers.get(b"content-length", b"0")
+            if b"transfer-encoding" in headers or not length.isdigit():
+                refusal, status = "what is sent needs a length, which every browser gives", 413
+            elif int(length) > self._largest:
+                refusal, status = f"more than {self._largest // 2**20} MB", 413
         if refusal is None:
 
             async def answer(message: Message) -> None:
@@ -188,13 +192,6 @@ class Guard:
         navigates = headers.get(b"sec-fetch-mode") == b"navigate"
         is_own = headers.get(b"sec-fetch-site", b"none") in (b"none", b"same-origin")
         return None if navigates or is_own else _ELSEWHERE
-
-    def _too_much(self, headers: dict[bytes, bytes]) -> str | None:
-        """Why what a request sends is not read; None where it is. The server cuts off what is beyond its length."""
-        length = headers.get(b"content-length", b"0")
-        if b"transfer-encoding" in headers or not length.isdigit():
-            return "what is sent needs a length, which every browser gives"
-        return f"more than {self._largest // 2**20} MB" if int(length) > self._largest else None
 
     def _is_here(self, host: str) -> bool:
         """Whether a Host header names this server."""

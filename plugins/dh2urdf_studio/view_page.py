@@ -20,8 +20,7 @@ from dh2urdf_studio.widgets import QUIET, ArmView, JointSliders, Menu, section, 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-    from dh2urdf.robot import Geometry, Inertial, Joint, Link, Origin
-    from dh2urdf.stages.foreign_robot import Follower
+    from dh2urdf.robot import Geometry, Joint, Link, Origin
     from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.drawing.scene import Figure
     from dh2urdf_studio.drawing.strokes import Stroke
@@ -219,7 +218,10 @@ def _items(figure: Figure, link: Link, joint: Joint | None) -> Iterator[tuple[st
     for collision in link.collisions:
         yield "collision", _geometry(collision.geometry) + _off(collision.origin)
     if link.inertial is not None:
-        yield "mass", _mass(link.inertial)
+        mass, i = link.inertial.mass, link.inertial.inertia
+        told = f"{mass:.4g} kg at ({_numbers(link.inertial.com)}) m; ixx, iyy, izz ({_numbers((i.ixx, i.iyy, i.izz))})"
+        products = (i.ixy, i.ixz, i.iyz)
+        yield "mass", f"{told} kg·m²" + (f"; ixy, ixz, iyz ({_numbers(products)})" if any(products) else "")
 
 
 def _joint(joint: Joint, figure: Figure) -> str:
@@ -232,19 +234,13 @@ def _joint(joint: Joint, figure: Figure) -> str:
     if joint.type is not JointType.CONTINUOUS and lower is not None and upper is not None:
         words.append(" to ".join(f"{end:.4g} m" if slides else f"{math.degrees(end):.4g}°" for end in (lower, upper)))
     if (follower := figure.followers.get(joint.name)) is not None:
-        words.append(_following(follower))
+        told = f"follows {follower.multiplier:.4g} · {follower.leader}"
+        for factor, power in zip((follower.offset, *follower.higher), _POWERS, strict=False):
+            if factor:
+                leader = f" · {follower.leader}{power}" if power else ""
+                told += f" {'+' if factor > 0 else '−'} {abs(factor):.4g}{leader}"
+        words.append(told if follower.leader else f"kept at {follower.offset:.4g}")
     return ", ".join(words)
-
-
-def _following(follower: Follower) -> str:
-    if not follower.leader:
-        return f"kept at {follower.offset:.4g}"
-    text = f"follows {follower.multiplier:.4g} · {follower.leader}"
-    for factor, power in zip((follower.offset, *follower.higher), _POWERS, strict=False):
-        if factor:
-            leader = f" · {follower.leader}{power}" if power else ""
-            text += f" {'+' if factor > 0 else '−'} {abs(factor):.4g}{leader}"
-    return text
 
 
 def _geometry(geometry: Geometry) -> str:
@@ -258,13 +254,6 @@ def _geometry(geometry: Geometry) -> str:
         case Mesh(filename=filename, scale=scale):
             factors = "" if scale == (1.0, 1.0, 1.0) else f" × ({_numbers(scale)})"
             return f"mesh {filename.replace(chr(92), '/').rpartition('/')[2]}{factors}"
-
-
-def _mass(inertial: Inertial) -> str:
-    i = inertial.inertia
-    words = f"{inertial.mass:.4g} kg at ({_numbers(inertial.com)}) m; ixx, iyy, izz ({_numbers((i.ixx, i.iyy, i.izz))})"
-    products = (i.ixy, i.ixz, i.iyz)
-    return f"{words} kg·m²" + (f"; ixy, ixz, iyz ({_numbers(products)})" if any(products) else "")
 
 
 def _off(origin: Origin) -> str:

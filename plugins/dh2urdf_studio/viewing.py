@@ -186,7 +186,7 @@ class View:
             named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
             found += joints.sliders(named, angle_unit="deg", group=figure.title)
         self.sliders = tuple(slider for slider in found if slider.name not in self.followers)
-        self.q = self._followed(joints.zero(self.sliders))
+        self.q = self._followed(joints.kept({}, self.sliders))
         self.drawing = Drawing()
         self.hidden: frozenset[str] = frozenset()
         self.opacities: dict[str, float] = {}

@@ -208,7 +208,7 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
         with row_of():
             if told:
                 ui.label(told).classes("studio-caption")
-            small_button("zero", lambda: on_values(joints.zero(self._sliders)))
+            small_button("zero", lambda: on_values(joints.kept({}, self._sliders)))
             small_button("random pose", lambda: on_values(joints.anywhere(self._sliders)))
         super().__init__()
         self.on("typed", lambda event: self._typed(int(event.args["index"]), str(event.args["text"])))

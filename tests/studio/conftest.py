@@ -180,7 +180,6 @@ class Tab:
         return self.page
 
     def open_table(self, table: TableText) -> Page:
-        """Opens the page with a table, by a link."""
         self._go_to(link_to_table(table))
         self._wait_for_arm(table.name)
         return self.page
@@ -229,7 +228,6 @@ class Tab:
         self.page.evaluate(f"new Promise(done => socket.emit('ack', {told}, done))")
 
     def wait_for_joint(self, index: int, value: float) -> None:
-        """Waits until a slider is at a value, in its unit."""
         script = """([index, value]) => {
             const slider = document.querySelectorAll('.joint-slider input[type=range]')[index];
             return Math.abs(slider?.valueAsNumber - value) < 1e-6;
@@ -283,7 +281,6 @@ class Tab:
         session.detach()
 
     def choose_file(self, path: Path) -> None:
-        """Opens a file by the dialog."""
         self.page.get_by_role("button", name="Open", exact=True).click()
         with self.page.expect_file_chooser() as choosing:
             self.page.get_by_role("button", name="Choose a file").click()
@@ -300,7 +297,6 @@ class Tab:
         self.page.evaluate(script, text)
 
     def click(self, name: str) -> None:
-        """Presses a button."""
         self.page.get_by_role("button", name=name, exact=True).click()
 
     def choose(self, menu: str, entry: str) -> None:
@@ -361,7 +357,6 @@ class Tab:
         return np.array(self.page.evaluate(script, [name, place or (0.0, 0.0, 0.0)]))
 
     def wait_for_pose(self, name: str, pose: Any) -> None:
-        """Waits until a node is drawn at a pose, to 1e-6."""
         script = """([name, expected]) => {
             const node = document.querySelector('.arm-view').scene.getObjectByName(name);
             node?.updateWorldMatrix(true, false);
@@ -387,11 +382,9 @@ class Tab:
             self.page.get_by_role("button", name=name).click()
 
     def wait_for_cell(self, row: int, field: str, text: str) -> None:
-        """Waits until a text stands in a cell."""
         self.page.locator(f"{self._cell(row, field)}:text-is('{text}')").wait_for()
 
     def wait_for_cells(self, row: int, **texts: str) -> None:
-        """Waits until texts are in cells of a row."""
         for field, text in texts.items():
             self.wait_for_cell(row, field, text)
 
@@ -400,7 +393,6 @@ class Tab:
         self.page.locator(f'.studio-lesson[data-progress="{progress:.2f}"]').wait_for()
 
     def wait_for_arrow(self, name: str, tip: Any) -> None:
-        """Waits until an arrow points to a place, to 1e-6."""
         script = """([name, tip]) => {
             const head = document.querySelector('.arm-view').scene.getObjectByName(name)?.children.find(part => part.isMesh);
             return head?.position.toArray().every((x, i) => Math.abs(x - tip[i]) < 1e-6);
@@ -430,7 +422,6 @@ class Tab:
         return [(one["id"], [node["failureSummary"] for node in one["nodes"]]) for one in serious]
 
     def foreign(self) -> list[str]:
-        """What it asked for from elsewhere."""
         here = urlsplit(self.address).netloc
         return [
             url for url in self.asked if urlsplit(url).scheme not in ("data", "blob") and urlsplit(url).netloc != here

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-import dh2urdf
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.manipulator import Manipulator
 
@@ -55,25 +54,6 @@ def test_undo_is_the_studios(tab: Any) -> None:
     tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5'")
     tab.page.keyboard.press("Control+Shift+z")
     tab.page.wait_for_function("document.querySelector('.studio-name input').value === 'ur5_left'")
-
-
-def test_the_shape_of_links_is_typed(tab: Any, tmp_path: Path) -> None:
-    """With `shape: arm` the links get housings, on the screen and in the file, as `convert` makes them of such a table."""
-    tab.open("ur5")
-    field = tab.page.get_by_label("defaults", exact=True)
-    field.fill("{geometry: {shape: arms}}")
-    field.press("Enter")
-    tab.wait_for_status("1 problem; the last good arm is shown")
-    field.fill("{geometry: {shape: arm}}")
-    field.press("Enter")
-    tab.wait_for_status("6 axes; the arm is the table's")
-    with tab.page.expect_download() as generating:
-        tab.page.get_by_role("button", name="Generate").click()
-    made = Path(generating.value.path()).read_text("utf-8").partition("<link")[2]
-    table = tmp_path / "ur5.csv"
-    table.write_text("# defaults: {geometry: {shape: arm}}\n" + (TABLES / "ur5.csv").read_text("utf-8"), "utf-8")
-    assert made == dh2urdf.convert(table).text.partition("<link")[2]
-    assert made != dh2urdf.convert(TABLES / "ur5.csv").text.partition("<link")[2]
 
 
 # --- The clipboard ----------------------------------------------------------------------------------------------------

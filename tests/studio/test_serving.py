@@ -139,18 +139,7 @@ def test_a_socket_that_is_refused_is_never_open() -> None:
     assert ([message["type"] for message in sent], reached) == (["websocket.close"], False)
 
 
-# --- Tabs and acts ----------------------------------------------------------------------------------------------------
-
-
-def test_a_tab_finds_its_own_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only so many are kept; one that was used lately stays, the oldest goes first."""
-    monkeypatch.setattr(app, "MOST_SESSIONS", 2)
-    sessions = app.Sessions(object)
-    one, two = sessions.of("one"), sessions.of("two")
-    assert sessions.of("one") is one is not two
-    sessions.of("three")
-    assert sessions.of("one") is one
-    assert sessions.of("two") is not two
+# --- Acts ------------------------------------------------------------------------------------------------------------
 
 
 def test_an_act_is_new_once() -> None:

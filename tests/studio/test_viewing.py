@@ -72,18 +72,6 @@ def test_a_run_file_is_planned_as_a_run_plans_it(catalog: Catalog, tmp_path: Pat
     assert not (tmp_path / "build").exists()
 
 
-def test_side_by_side_or_at_one_place(catalog: Catalog) -> None:
-    """Robots stand far enough from each other, or all at the same place to be compared."""
-    table = CONFIGS / "tables" / "ur5.csv"
-    view = View(load_figures([table, table], catalog))
-    names = [node.name for node in view.drawing.nodes]
-    for apart in (True, False):
-        view.place(apart=apart)
-        poses = view.drawing.poses(view.q)
-        one, other = (poses[names.index(f"{name}/base_link")].translation for name in ("ur5", "ur5 2"))
-        assert (abs(other[1] - one[1]) > 1.0) is apart
-
-
 def test_one_robot_and_wrong_files(catalog: Catalog, tmp_path: Path) -> None:
     """A single robot has names of its own; without a tool0, links that hold no other are its ends; all faults are named."""
     names = ("tree.urdf", "wrong.urdf", "wrong.csv", "none.urdf", "x.step")

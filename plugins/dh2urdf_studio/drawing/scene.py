@@ -165,22 +165,23 @@ class Drawing:
 
     def as_json(self) -> dict[str, Any]:
         """The drawing as a browser takes it."""
-        return {"reach": self.reach, "nodes": [_node_as_json(node) for node in self.nodes]}
-
-
-def _node_as_json(node: SceneNode) -> dict[str, Any]:
-    grip = node.grip
-    own = {name: getattr(node, name) for name in ("name", "row", "figure", "carrier", "label", "layer", "rooted")}
-    parts = [
-        {
-            **{name: getattr(part, name) for name in ("shape", "size", "layer", "colour", "opacity")},
-            "pose": numbers(part.pose),
-            "mesh": part.mesh and part.mesh.key,
-            "ownColours": part.own_colours,
-        }
-        for part in node.parts
-    ]
-    return {**own, "grip": grip and {"carrier": grip.carrier, "axis": grip.axis, "slides": grip.slides}, "parts": parts}
+        nodes = []
+        for node in self.nodes:
+            own = {
+                each: getattr(node, each) for each in ("name", "row", "figure", "carrier", "label", "layer", "rooted")
+            }
+            own["grip"] = node.grip and {each: getattr(node.grip, each) for each in ("carrier", "axis", "slides")}
+            own["parts"] = [
+                {
+                    **{each: getattr(part, each) for each in ("shape", "size", "layer", "colour", "opacity")},
+                    "pose": numbers(part.pose),
+                    "mesh": part.mesh and part.mesh.key,
+                    "ownColours": part.own_colours,
+                }
+                for part in node.parts
+            ]
+            nodes.append(own)
+        return {"reach": self.reach, "nodes": nodes}
 
 
 def faded(drawing: Drawing, opacities: Mapping[str, float], hidden: Collection[str] = ()) -> Drawing:

@@ -205,14 +205,11 @@ def _unseen(arm: Manipulator, again: Manipulator | None) -> tuple[str, ...]:
 
 def _lost(arm: Manipulator, again: Manipulator) -> Iterator[str]:
     """What an arm says that is otherwise, or not there, when its table is read again."""
-    yield from _different(replace(arm, rows=again.rows), again)
-    for row, other in zip(arm.rows, again.rows, strict=True):
-        yield from (f"{name} of {row.joint}" for name in _different(row, other))
-
-
-def _different(one: Any, other: Any) -> Iterator[str]:  # noqa: ANN401 - two records of a kind
-    names = (field.name for field in fields(one) if field.compare)
-    return (name for name in names if getattr(one, name) != getattr(other, name))
+    pairs = ((row, other, f" of {row.joint}") for row, other in zip(arm.rows, again.rows, strict=True))
+    every: tuple[tuple[Any, Any, str], ...] = ((replace(arm, rows=again.rows), again, ""), *pairs)
+    for one, other, whose in every:
+        names = (field.name for field in fields(one) if field.compare)
+        yield from (name + whose for name in names if getattr(one, name) != getattr(other, name))
 
 
 # --- Pasting ----------------------------------------------------------------------------------------------------------

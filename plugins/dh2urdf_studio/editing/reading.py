@@ -18,16 +18,17 @@ from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.option_types import choices, type_hints
-from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import Mark, Messages, Problem, in_file_order
-from dh2urdf.stage_calls.calls import Call, default_call
-from dh2urdf.stages import Compares, Rejected, Transform
+from dh2urdf.stage_calls.calls import call_of, default_call
+from dh2urdf.stages import Compares, Rejected
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
 from dh2urdf_studio.editing.edits import begun
 
 if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
+    from dh2urdf.stage_calls.calls import Call
+    from dh2urdf.stages import Transform
 
 say = Messages(__file__)
 
@@ -168,14 +169,8 @@ def variants(catalog: Catalog) -> tuple[str, ...]:
     return tuple(names[:2]) or (stage.name,)
 
 
-def variant_options(stage: Transform[Any], variant: str) -> dict[str, str]:
-    """The options of the usual transform that make a variant."""
-    compares = stage.can(Compares)
-    return {compares.option: variant} if compares else {}
-
-
 def transform_call(catalog: Catalog, variant: str) -> Call[Transform[Any]]:
     """The transform with a variant, as the command line would call it."""
     stage = catalog.usual("transform")
-    options = make_options(stage.options, variant_options(stage, variant), where=f"transform {stage.name!r}")
-    return Call(stage=stage, options=options, plugin=catalog.plugin_of(stage))
+    compares = stage.can(Compares)
+    return call_of(catalog, stage, {compares.option: variant} if compares else {})

@@ -22,10 +22,10 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.source import Mark
 from dh2urdf.stage_calls.calls import default_call
-from dh2urdf.stages import Emitter, OtherFiles, WritesFolders, WritesTables
+from dh2urdf.stages import Compares, Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES
 from dh2urdf.table_text.texts import yaml_word
-from dh2urdf_studio.editing.reading import transform_call, variant_options
+from dh2urdf_studio.editing.reading import transform_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -164,7 +164,8 @@ def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
     """A run file that does with the saved table what the studio does."""
     name = table_file(table, catalog.cell_reader().name, catalog).name
     transform = catalog.usual("transform")
-    options = ", ".join(f"{option}: {word}" for option, word in variant_options(transform, variant).items())
+    compares = transform.can(Compares)
+    options = f"{compares.option}: {variant}" if compares else ""
     lines = [
         f"inputs: {yaml_word(name)}",
         f"transform: {{stage: {transform.name}, options: {{{options}}}}}",

@@ -20,7 +20,7 @@ from dh2urdf.errors import OutputError
 from dh2urdf.isolation import Child
 from dh2urdf_studio.drawing import mesh_files
 from dh2urdf_studio.drawing.exports import glb
-from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, surfaces, triangles
+from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, triangles
 from dh2urdf_studio.viewing import View, load_figures
 
 if TYPE_CHECKING:
@@ -70,14 +70,6 @@ def test_a_ball_is_smooth(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
     ((_, positions, normals),) = parts(DrawnMesh(path=written(tmp_path, "ball.stl", ball)))
     assert np.abs(normals - positions / 0.5).max() < 0.03
-
-
-@pytest.mark.parametrize(("name", "count"), [("box.stl", 24), ("ball.stl", 642)])
-def test_corners_that_are_alike_are_one(tmp_path: Path, name: str, count: int) -> None:
-    """A box has three normals at each of its corners, a ball one."""
-    shape = trimesh.creation.box((1, 1, 1)) if name == "box.stl" else trimesh.creation.icosphere(subdivisions=3)
-    ((_, surface),) = surfaces(DrawnMesh(path=written(tmp_path, name, shape)))
-    assert (len(surface.positions), surface.faces.shape) == (count, shape.faces.shape)
 
 
 @pytest.mark.parametrize(("as_in_ros", "sizes"), [(True, (1, 1, 0)), (False, (1, 0, 1))])

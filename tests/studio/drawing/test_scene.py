@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from dh2urdf.kinematics import forward_kinematics, joint_variables
+from dh2urdf.kinematics import joint_variables
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
@@ -18,7 +18,7 @@ from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.drawing.parts import APART, PAPER, Grip
-from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
+from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure
 from dh2urdf_studio.editing.reading import make
 from dh2urdf_studio.view_page import contents
 from dh2urdf_studio.viewing import View, load_figures
@@ -48,14 +48,6 @@ def test_links_and_frames_stand_where_the_table_has_them(reference_robot: Refere
         poses = dict(zip(names, drawing.poses(values), strict=True))
         assert np.allclose(as_matrices(poses["tool0"]), published, atol=1e-9)
         assert np.allclose(as_matrices(poses[f"frame {len(arm.rows)}"] @ arm.tool), published, atol=1e-9)
-
-
-def test_flange_and_tool0_have_frames(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
-    """Both are shown with their names, and so are the DH frames; links stand in none of their own."""
-    one = figure(reference_robots[0].manipulator, catalog)
-    framed = [node for node in Drawing.of([one]).nodes if any(part.shape == "frame" for part in node.parts)]
-    numbers = range(len(reference_robots[0].manipulator.rows) + 1)
-    assert {node.label for node in framed} == {"flange", "tool0", *(f"{{{number}}}" for number in numbers)}
 
 
 def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
@@ -141,19 +133,6 @@ def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
     inertial = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=3.0))  # which no body has
     drawing = Drawing.of([Figure(robot=Robot(name="x", links=(Link(name="base", inertial=inertial),), joints=()))])
     assert {part.layer for node in drawing.nodes for part in node.parts} == {"masses"}
-
-
-def test_the_extent_bounds_the_arm(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
-    """No published pose is farther away than the scene is made for."""
-    arm = reference_robot.manipulator
-    robot = figure(arm, catalog).robot
-    for q in reference_robot.q:
-        inside = all(
-            row.limits.upper is None or (row.limits.lower or 0) <= x <= row.limits.upper
-            for row, x in zip(arm.moving_rows, q, strict=True)
-        )
-        if inside:
-            assert math.hypot(*forward_kinematics(arm, q).translation) <= extent(robot) + 1e-9
 
 
 def test_an_axis_is_never_in_the_colour_of_its_links(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:

@@ -37,12 +37,13 @@ def asked(names: Any, positions: Any) -> bytes:
 
 def test_joints_move_inside_their_limits(view: View) -> None:
     """As sliders have it: the nearest limit holds, a wheel goes round, and a joint that follows another one follows."""
-    live, tab = LiveJoints(View(view.figures)), view
-    assert live.take(asked(["l", "w"], [0.05, 4]), [tab]) == []
+    live = LiveJoints(View(view.figures))
+    tab = live.begin(view)
+    assert live.take(asked(["l", "w"], [0.05, 4])) == []
     assert tab.q == live.q == {"l": 0.05, "r": -0.05, "w": 4 - math.tau}
-    assert live.take(asked(["r", "l"], [9, 0.5]), [tab]) == ["l"]
+    assert live.take(asked(["r", "l"], [9, 0.5])) == ["l"]
     assert live.q == {"l": 0.08, "w": 4 - math.tau, "r": -0.08}
-    assert live.take(asked([], []), [tab]) == []
+    assert live.take(asked([], [])) == []
 
     # A tab that is opened later has what programs gave; what a person moves, programs read.
     later = live.begin(View(view.figures))
@@ -88,8 +89,9 @@ def test_what_is_wrong_moves_nothing(view: View, names: list[str], positions: li
 
 def refused(view: View, text: bytes, code: str) -> str:
     live = LiveJoints(View(view.figures))
+    live.begin(view)
     with pytest.raises(InputError) as error:
-        live.take(text, [view])
+        live.take(text)
     assert error.value.problems[0].code == code
     assert set(view.q.values()) == set(live.q.values()) == {0.0}
     return str(error.value)

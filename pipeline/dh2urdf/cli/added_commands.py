@@ -18,7 +18,7 @@ from dh2urdf.source import did_you_mean, shown
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf.plugin_system.catalog import AddedCommand
+    from dh2urdf.plugin_system.catalog import Provided
 
 
 def with_added(own: Mapping[str, str], context: click.Context) -> dict[str, str]:
@@ -51,13 +51,13 @@ def check_known(own: Mapping[str, str], context: click.Context, words: Sequence[
     context.fail(f"no command {shown(words[0])}; the commands are {', '.join(known)}{advice}")
 
 
-def imported(added: AddedCommand) -> click.Command:
+def imported(added: Provided) -> click.Command:
     """The command that a plugin adds; what its code raises that is no error of dh2urdf or click is the plugin's fault.
 
     Raises:
         BrokenPluginError: the command cannot be imported, or is none.
     """
-    place = added.command.function
+    place: str = added.stage.function  # type: ignore[union-attr] # it is a command
     module, _, name = place.partition(":")
     try:
         with kept_apart(), Attribution(f"the import of {module}", added.plugin):
@@ -72,7 +72,7 @@ def imported(added: AddedCommand) -> click.Command:
 
     def blamed(context: click.Context) -> Any:  # noqa: ANN401 - click's
         try:
-            with Attribution(f"the command {added.command.name!r}", added.plugin):
+            with Attribution(f"the command {added.stage.name!r}", added.plugin):
                 return invoke(context)
         except (Dh2UrdfError, OSError, click.ClickException, click.Abort, click.exceptions.Exit):
             raise
@@ -83,6 +83,6 @@ def imported(added: AddedCommand) -> click.Command:
     return command
 
 
-def _broken(added: AddedCommand, error: Exception) -> BrokenPluginError:
-    reason = f"the command {added.command.name!r}: {reason_of(error)}"
+def _broken(added: Provided, error: Exception) -> BrokenPluginError:
+    reason = f"the command {added.stage.name!r}: {reason_of(error)}"
     return BrokenPluginError(added.plugin.name, added.plugin.distribution, reason, traceback_of(error))

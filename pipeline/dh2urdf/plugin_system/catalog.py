@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-__all__ = ["KINDS", "RECORDS", "AddedCommand", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
+__all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
 
 class Shadowed(NamedTuple):
@@ -28,13 +28,6 @@ class Shadowed(NamedTuple):
 
     loser: Provided
     winner: Provided
-
-
-class AddedCommand(NamedTuple):
-    """A command that a plugin adds, and the plugin."""
-
-    command: Subcommand
-    plugin: Plugin
 
 
 class Catalog:
@@ -133,7 +126,7 @@ class Catalog:
             found = {command.name: command for command in self._stages.of(COMMAND, plugin)} | found
         return found
 
-    def command(self, name: str) -> AddedCommand | None:
+    def command(self, name: str) -> Provided | None:
         """Return the command of a name that a plugin adds; plugins whose entry points name others are not imported.
 
         Raises:
@@ -141,8 +134,7 @@ class Catalog:
         """
         for plugins in _by_right(self._plugins, COMMAND, name):
             asked = [plugin for plugin in plugins if declared(plugin) in (None, (COMMAND, name))]
-            claims = [AddedCommand(each, plugin) for plugin in asked for each in self._stages.of(COMMAND, plugin)]
-            if claims := [claim for claim in claims if claim.command.name == name]:
+            if claims := [item for item in self._provided(COMMAND, asked) if item.stage.name == name]:
                 if len(claims) > 1:
                     raise _conflict(COMMAND, name, claims)
                 return claims[0]
@@ -305,13 +297,13 @@ class Catalog:
                     return Provided(kind=kind, stage=stage, plugin=plugin)
         return None
 
-    def _provided(self, kind: Kind, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
+    def _provided(self, kind: str, plugins: Iterable[Plugin]) -> tuple[Provided, ...]:
         found = [(plugin, stage) for plugin in plugins for stage in self._stages.of(kind, plugin)]
         found.sort(key=lambda item: item[1].name)
-        return tuple([Provided(kind=kind, stage=stage, plugin=plugin) for plugin, stage in found])
+        return tuple([Provided(kind, stage, plugin) for plugin, stage in found])  # type: ignore[arg-type] # or a command
 
 
-def _conflict(kind: str, name: str, claims: Iterable[Provided | AddedCommand]) -> StageConflictError:
+def _conflict(kind: str, name: str, claims: Iterable[Provided]) -> StageConflictError:
     return StageConflictError(kind, name, [claim.plugin.distribution for claim in claims])
 
 

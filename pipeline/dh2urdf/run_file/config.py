@@ -69,22 +69,16 @@ class StageCall:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class InputCall:
-    """Files that one reader reads with the same options.
+class InputCall(StageCall):
+    """Files that one reader reads with the same options; without its name each file's suffix says it.
 
     Attributes:
         paths: the files, in the order of their names where they come from a pattern.
-        stage: name of the reader; None leaves it to each file's suffix.
-        options: the reader's options as they are written.
-        mark: where the input stands.
         notices: the findings about the pattern.
         pattern: what matches the files; None where a path names one.
     """
 
     paths: tuple[Path, ...]
-    stage: str | None = None
-    options: Node | None = None
-    mark: Mark | None = None
     notices: tuple[Problem, ...] = ()
     pattern: str | None = None
 

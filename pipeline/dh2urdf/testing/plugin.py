@@ -6,12 +6,13 @@ where a test asks for it, and its fixtures bear the project's name.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
@@ -49,7 +50,4 @@ def dh2urdf_run(tmp_path: Path) -> Callable[..., RunOutput]:
     """Does a run in a temporary folder: ``dh2urdf_run("inputs: arm.csv", {"arm.csv": "…"})``."""
     from dh2urdf.testing.catalogs import do_run
 
-    def run(run_file: str, tables: Mapping[str, str | bytes], catalog: Catalog | None = None) -> RunOutput:
-        return do_run(tmp_path, run_file, tables, catalog)
-
-    return run
+    return partial(do_run, tmp_path)

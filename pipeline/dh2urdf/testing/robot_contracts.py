@@ -52,10 +52,6 @@ _AWKWARD = ("a<b&c>\"d'e", "--> ]]>", "${x} $(find y)", "{{ z }} {% w %}", "ÂêçÂ
 _UNREADABLE = (b"", b"\xff\xfe\x00 no text", b"<a><b></a>", b"[1, 2")
 
 
-def _unknown(content: bytes, name: str) -> None:
-    """A file whose format is not known here passes."""
-
-
 _PARSERS: dict[str, Callable[[bytes, str], object]] = {
     **dict.fromkeys(
         (".xml", ".urdf", ".xacro", ".srdf", ".sdf", ".mjcf", ".svg"),
@@ -247,7 +243,8 @@ class EmitterContract(InputContract):
                 continue
             for file in files:
                 try:
-                    _PARSERS.get(Path(file.name).suffix.lower(), _unknown)(file.content, file.name)
+                    if parse := _PARSERS.get(Path(file.name).suffix.lower()):
+                        parse(file.content, file.name)
                 except Exception as error:  # noqa: BLE001 - of any parser
                     yield f"{file.name} of the robot {robot.name!r}: {error}"
 

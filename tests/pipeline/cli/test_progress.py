@@ -206,13 +206,6 @@ def test_a_column_per_emitter_and_loader(printed: Callable[..., list[str]]) -> N
     assert lines[-3:] == ["1 made", "simulators: paper 1 of 1", "written to build/out"]
 
 
-def test_failures_come_first(printed: Callable[..., list[str]]) -> None:
-    """Whoever looks at the top sees what is wrong; the counts are at the end."""
-    lines = printed(outcome("a", written=(wrote("urdf", 0.0),)), outcome("b", "failed"), outcome("c", "failed"))
-    assert [row[:3] for row in cells(lines)] == [["b", "failed", "–"], ["c", "failed", "–"], ["a", "ok", "0"]]
-    assert "1 made, 2 failed" in lines
-
-
 def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:
     """A screenful of rows, the failures among them, and the number of the others, in the report or not."""
     outcomes = [outcome(f"arm{i}") for i in range(MOST_ROWS + 9)]

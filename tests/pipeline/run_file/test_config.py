@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.errors import ConfigError
+from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
 from dh2urdf.run_file.config import RunConfig, load_config
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -42,6 +44,10 @@ def test_defaults(folder: Path) -> None:
     assert found.execution.stage is None
     assert found.output.directory == folder / "build" / "run"
     assert found.proof.poses == 32
+    assert found.output.layout == Layout(form=Form.FILES, size=DEFAULT_SIZE)
+    assert found.proof.proved == Sample(first=0, every=1)
+    assert found.sample == Sample(first=1000, every=50)
+    assert found.execution.time_limit == 300.0
 
 
 def test_every_section_is_read(folder: Path) -> None:
@@ -83,6 +89,32 @@ def test_the_example_run_files_are_well_formed(path: Path) -> None:
     found = load_config(path)
     assert [str(problem) for problem in found.problems] == []
     assert all(given.paths for given in found.inputs)
+
+
+def test_every_setting_is_read(folder: Path) -> None:
+    """From the file, and from the command line in its place."""
+    text = (
+        "output: {directory: out, layout: shards, size: 500}\n"
+        "proof: {poses: 8, first: 10, every: 3}\n"
+        "sample: {first: 0, every: 1000}\n"
+        "execution: {stage: local, time_limit: 0.5}"
+    )
+    found = config(folder, f"{TABLE}{text}\n")
+    assert found.problems == ()
+    assert found.output.layout == Layout(form=Form.SHARDS, size=500)
+    assert (found.proof.proved, found.sample) == (Sample(first=10, every=3), Sample(first=0, every=1000))
+    assert (found.execution.time_limit, found.proof.poses) == (0.5, 8)
+    changed = config(
+        folder,
+        f"{TABLE}{text}\n",
+        "output.layout=folders",
+        "sample.every=7",
+        "execution.time_limit=60",
+        "proof.first=0",
+    )
+    assert changed.problems == ()
+    assert changed.output.layout == Layout(form=Form.FOLDERS, size=500)
+    assert (changed.sample.every, changed.execution.time_limit, changed.proof.proved.first) == (7, 60.0, 0)
 
 
 # --- Paths ------------------------------------------------------------------------------------------------------------

@@ -401,7 +401,7 @@ BUDGETS = {
     "pipeline/dh2urdf/quantities": 1370,
     "pipeline/dh2urdf/report": 2240,
     "pipeline/dh2urdf/robot_check": 340,
-    "pipeline/dh2urdf/run_file": 1810,
+    "pipeline/dh2urdf/run_file": 1800,
     "pipeline/dh2urdf/running": 1050,
     "pipeline/dh2urdf/scaffold": 240,
     "pipeline/dh2urdf/stage_calls": 520,

@@ -32,10 +32,6 @@ def double(number: float) -> float:
     return 2 * number
 
 
-def as_many_bytes(data: bytes) -> bytes:
-    return data
-
-
 def print_everywhere() -> str:
     libc = ctypes.CDLL(None)
     print("from Python")
@@ -171,11 +167,6 @@ def load(request: LoadRequest, _options: NoOptions) -> LoadReport:
     match request.path.name:
         case "refused.urdf":
             raise LoaderError("I do not like it")
-        case "refused_with_its_path.urdf":
-            print(f"WARNING: {request.path} is bad")
-            raise LoaderError(f"cannot load {request.path}")
-        case "noisy.urdf":
-            print(f"WARNING: {request.path} is odd")
         case "crash.urdf":
             sys.stdout.flush()
             os.kill(os.getpid(), signal.SIGSEGV)

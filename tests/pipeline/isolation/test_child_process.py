@@ -29,7 +29,7 @@ LONG = 60.0
 def test_large_arguments_and_values_pass(functions: ModuleType) -> None:
     """Neither side waits for a full pipe: two megabytes go there and back."""
     data = bytes(range(256)) * 8192
-    assert run_in_child(functions.as_many_bytes, data, timeout=LONG, encoding=Data(bytes)).value == data
+    assert run_in_child(functions.as_it_is, data, timeout=LONG, encoding=Data(bytes)).value == data
 
 
 def test_everything_printed_is_caught(functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:

@@ -60,74 +60,41 @@ def with_four_parameters(manipulator: Manipulator, extras: Mapping[str, Extra]) 
     """
     if not extras:
         return manipulator
-    table = _Table(manipulator)
-    for row in manipulator.rows:
-        extra = extras.get(row.joint, Extra())
-        table.put_before(row, extra)
-        table.put(row, extra.beta)
-    notice = say("six-parameters", manipulator.mark, robot=manipulator.name, field="beta", places=table.places)
-    notices = (*manipulator.notices, notice)
-    return replace(manipulator, rows=tuple(table.rows), base=table.base, tool=table.tool, notices=notices)
-
-
-class _Table:
-    """A table of four parameters that grows: its rows, base and tool, and where the other parameters are in it."""
-
-    def __init__(self, given: Manipulator) -> None:
-        self.rows: list[DHRow] = []
-        self.base, self.tool = given.base, given.tool
-        self.places: list[str] = []
-        self._is_standard = given.convention is Convention.STANDARD
-        self._last = given.rows[-1]
-        self._taken = {name for row in given.rows for name in (row.joint, row.link)}
-        self._is_behind_beta = False  # whether the last row so far is the fixed one of a β
-
-    def put_before(self, row: DHRow, extra: Extra) -> None:
-        """γ and b: in the base, in the fixed row that is there already, or in one of their own."""
-        if not (extra.gamma or extra.b):
-            return
-        if not self.rows:
-            self.base @= RigidTransform(rotation_z(*cos_sin(extra.gamma)), (0.0, 0.0, extra.b))
-            self.places.append("the base")
-        elif self._is_behind_beta:
-            self.rows[-1] = replace(self.rows[-1], theta=self.rows[-1].theta + extra.gamma, d=extra.b)
-        else:
-            self._put_fixed(row, "gamma", theta=extra.gamma, d=extra.b)
-
-    def put(self, given: DHRow, beta: float) -> None:
-        """A row, and β behind it."""
-        # What is left of a turn about y goes to the row behind it, whose own motion it commutes with.
-        left = HALF_PI if self._is_behind_beta and self._is_standard else 0.0
-        row = replace(given, theta=given.theta - left) if left else given
-        self._is_behind_beta = False
-        if not beta:
-            self.rows.append(row)
-            return
-        turn = RigidTransform(rotation_y(*cos_sin(beta)), ZERO)
-        if given is self._last:
-            self.rows.append(_with_body(row, turn))
-            self.tool = turn @ self.tool
-            self.places.append("the tool")
-        elif self._is_standard:
-            self.rows.append(_with_body(row, turn))
-            self._put_fixed(row, "beta", theta=HALF_PI, alpha=beta)
-        else:
-            back = RigidTransform(multiply(rotation_x(*cos_sin(beta)), rotation_z(0.0, -1.0)), ZERO)
-            self.rows.append(_with_body(replace(row, theta=row.theta + HALF_PI), back))
-            self._put_fixed(row, "beta", theta=-HALF_PI, alpha=beta)
-
-    def _put_fixed(self, row: DHRow, what: str, *, theta: float, d: float = 0.0, alpha: float = 0.0) -> None:
-        """A fixed row without a body of its own."""
-        joint, link = (free_name(f"{name}_{what}", self._taken) for name in (row.joint, row.link))
-        fixed = JointType.FIXED
-        made = DHRow(joint=joint, link=link, type=fixed, a=0.0, alpha=alpha, d=d, theta=theta, mass=0.0, mark=row.mark)
-        self.rows.append(made)
-        self.places.append(f"the fixed row {shown(joint)}")
-        self._is_behind_beta = what == "beta"
-
-
-def _with_body(row: DHRow, behind: RigidTransform) -> DHRow:
-    """A row with its body, which is given in the frame behind the turn about y, in its own frame."""
     from dh2urdf_plugins.extraction.splitting import with_moved_body
 
-    return with_moved_body(row, behind)
+    is_standard, base, tool = manipulator.convention is Convention.STANDARD, manipulator.base, manipulator.tool
+    taken = {name for row in manipulator.rows for name in (row.joint, row.link)}
+    rows, places, is_behind_beta = list[DHRow](), list[str](), False
+
+    def put_fixed(row: DHRow, what: str, *, theta: float, d: float = 0.0, alpha: float = 0.0) -> None:
+        joint, link = (free_name(f"{name}_{what}", taken) for name in (row.joint, row.link))
+        kind, mark = JointType.FIXED, row.mark  # without a body of its own
+        rows.append(DHRow(joint=joint, link=link, type=kind, a=0.0, alpha=alpha, d=d, theta=theta, mass=0.0, mark=mark))
+        places.append(f"the fixed row {shown(joint)}")
+
+    for given in manipulator.rows:
+        beta, gamma, b, _ = extras.get(given.joint, Extra())
+        if is_behind_beta and (gamma or b):
+            rows[-1] = replace(rows[-1], theta=rows[-1].theta + gamma, d=b)
+        elif rows and (gamma or b):
+            put_fixed(given, "gamma", theta=gamma, d=b)
+        elif gamma or b:
+            base @= RigidTransform(rotation_z(*cos_sin(gamma)), (0.0, 0.0, b))
+            places.append("the base")
+        # What is left of a turn about y goes to the row behind it, whose own motion it commutes with.
+        row = replace(given, theta=given.theta - HALF_PI) if is_behind_beta and is_standard else given
+        is_behind_beta = bool(beta) and given is not manipulator.rows[-1]
+        turn = RigidTransform(rotation_y(*cos_sin(beta)), ZERO)
+        if is_behind_beta and not is_standard:  # the body is given in the frame behind the turn about y
+            back = RigidTransform(multiply(rotation_x(*cos_sin(beta)), rotation_z(0.0, -1.0)), ZERO)
+            rows.append(with_moved_body(replace(row, theta=row.theta + HALF_PI), back))
+        else:
+            rows.append(with_moved_body(row, turn) if beta else row)
+        if is_behind_beta:
+            put_fixed(row, "beta", theta=HALF_PI if is_standard else -HALF_PI, alpha=beta)
+        elif beta:
+            tool = turn @ tool
+            places.append("the tool")
+    notice = say("six-parameters", manipulator.mark, robot=manipulator.name, field="beta", places=places)
+    notices = (*manipulator.notices, notice)
+    return replace(manipulator, rows=tuple(rows), base=base, tool=tool, notices=notices)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import Trace
-    from dh2urdf_plugins.readers.rows.source import RowSource
+    from dh2urdf_plugins.readers.header.columns import RowSource
 
 __all__ = ["CellRow", "TableOptions", "read_table"]
 

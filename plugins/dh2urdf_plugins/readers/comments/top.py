@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from dh2urdf.table_text import CellRow
-    from dh2urdf_plugins.readers.rows.source import RowSource
+    from dh2urdf_plugins.readers.header.columns import RowSource
 
 say = Messages(__file__)
 

@@ -9,7 +9,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType
@@ -32,13 +32,17 @@ from dh2urdf_plugins.readers.words.fields import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
+    from dh2urdf.columns import PlaceInFile
     from dh2urdf.quantities import Quantity
     from dh2urdf.table_text import CellRow
-    from dh2urdf_plugins.readers.words.cells import Cell
+    from dh2urdf_plugins.readers.words.cells import Cell, Value
+    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 say = Messages(__file__)
+Row: TypeAlias = "Sequence[Value]"
+"""The cells of a row, one for each column."""
 
 _NUMBERED = r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}"
 TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
@@ -101,6 +105,39 @@ class Columns:
         """The header of the column that holds a field."""
         holding = (k for k, each in enumerate(self.fields) if each and name in parts_of(FIELDS[each]))
         return self.headers[next(holding)]
+
+
+class RowSource(Protocol):
+    """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
+
+    The key of a row is what the format knows its place by: the number of a line, or more.
+
+    Attributes:
+        below: comments and notes below the header, which may define names for lengths.
+    """
+
+    below: list[Comment]
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows down to the header."""
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns that the header names, and gives them with those that hold numbers known."""
+
+    def batches(self) -> Iterator[tuple[Sequence[Any], Sequence[Row]]]:
+        """Some hundred rows below the header at a time, and the key of each."""
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with what the row below it adds: units, or names of columns that share a title."""
+
+    def places(self, keys: Iterable[Any]) -> Iterable[PlaceInFile]:
+        """The places of rows in the file."""
+
+    def mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of its own
+        """The place of a row, with the file."""
+
+    def row(self, key: Any, cells: Row, number: int) -> tuple[CellRow, Iterable[Problem]]:  # noqa: ANN401
+        """A row, of a number within its manipulator: the place of each cell, and why they are not the columns'."""
 
 
 def marked_as_left_out(header: CellRow, names: Collection[str]) -> list[str]:

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Problem
-    from dh2urdf_plugins.readers.header.columns import Columns
-    from dh2urdf_plugins.readers.rows.source import Row
+    from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 MAX_BELOW = 1000

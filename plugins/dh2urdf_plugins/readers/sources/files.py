@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import TableText, Trace
+    from dh2urdf_plugins.readers.header.columns import RowSource
     from dh2urdf_plugins.readers.options import TableOptions
-    from dh2urdf_plugins.readers.rows.source import RowSource
 
 FORMS = {".md": "markdown", ".tex": "latex"}
 """The forms that a suffix says; of other files the first lines say it."""

@@ -35,9 +35,8 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import Trace
-    from dh2urdf_plugins.readers.header.columns import Columns
+    from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.options import TableOptions
-    from dh2urdf_plugins.readers.rows.source import Row
     from dh2urdf_plugins.readers.words.cells import Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.documents import Node
-    from dh2urdf_plugins.readers.rows.source import RowSource
+    from dh2urdf_plugins.readers.header.columns import RowSource
 
 _LENGTHS = (*LENGTH_UNITS, "µm")
 _CHOSEN = ("length", "angle")

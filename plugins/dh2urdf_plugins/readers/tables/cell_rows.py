@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Mark
-    from dh2urdf_plugins.readers.header.columns import Columns
-    from dh2urdf_plugins.readers.rows.source import Row
+    from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.words.cells import Value
 
 _BATCH = 200

@@ -21,6 +21,7 @@ from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import declare, declare_types
+from dh2urdf_plugins.readers.header.columns import Row
 from dh2urdf_plugins.readers.header.header_rows import unit_in
 from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_problems
 from dh2urdf_plugins.readers.options import given_by
@@ -28,7 +29,6 @@ from dh2urdf_plugins.readers.rows.cells import CellReader
 from dh2urdf_plugins.readers.rows.joint_rows import Cells, JointRows
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, RowReader
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
-from dh2urdf_plugins.readers.rows.source import Row
 from dh2urdf_plugins.readers.statements.plausibility import arm_length, far_away, size_notice
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.comments.top import Top
+    from dh2urdf_plugins.readers.header.columns import RowSource
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.plain.rows import PlainRows
-    from dh2urdf_plugins.readers.rows.source import RowSource
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)

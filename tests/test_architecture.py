@@ -386,10 +386,10 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 4100,
+    "pipeline/dh2urdf": 4110,
     "pipeline/dh2urdf/cells": 350,
     "pipeline/dh2urdf/cli": 1850,
-    "pipeline/dh2urdf/commands": 1620,
+    "pipeline/dh2urdf/commands": 1630,
     "pipeline/dh2urdf/conversion": 1310,
     "pipeline/dh2urdf/documents": 970,
     "pipeline/dh2urdf/isolation": 1220,
@@ -410,7 +410,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 790,
     "pipeline/dh2urdf/testing": 1650,
     "pipeline/dh2urdf/variations": 1110,
-    "plugins/dh2urdf_check": 4990,
+    "plugins/dh2urdf_check": 4970,
     "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 270,
     "plugins/dh2urdf_plugins/collision_pairs": 490,

@@ -220,6 +220,7 @@ def check(
     emitter: str | None = None,
     arguments: Mapping[str, str] | None = None,
     package_paths: Iterable[StrPath] = (),
+    ask: bool = False,
     without: Iterable[str] = (),
 ) -> Inspection:
     """What each simulator will do with a robot description of any origin, as `dh2urdf check` finds it.
@@ -235,6 +236,8 @@ def check(
         arguments: values of a xacro's arguments.
         package_paths: folders of ROS packages, or folders that hold some: a xacro may include their files,
             and ``package://`` addresses are looked for there.
+        ask: whether to give the file to the simulators that are installed, as the command does: what they do is seen
+            then, and what the others do is foretold.
         without: plugins or distributions to leave out.
 
     Returns:
@@ -266,7 +269,7 @@ def check(
             arguments={name: str(value) for name, value in (arguments or {}).items()},
             package_paths=tuple(map(Path, folders)),
         )
-        return inspect(catalog, path, emitter, "`emitter=NAME`", expansion)
+        return inspect(catalog, path, emitter, "`emitter=NAME`", expansion, ask=ask)
 
 
 def run(

@@ -25,7 +25,6 @@ from dh2urdf.cli.shared_options import (
     table_options,
     without_option,
 )
-from dh2urdf.commands.choices import read_manipulator, reader_call
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import write_whole
@@ -237,6 +236,8 @@ def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
 
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
+    from dh2urdf.commands.choices import read_manipulator, reader_call
+
     table, reader_name = given_table(table, flags["reader_name"], catalog)
     call = reader_call(catalog, table, reader_name, COMMAND_LINE, given_options(flags))
     return read_manipulator(call, table, flags["robot"], COMMAND_LINE)

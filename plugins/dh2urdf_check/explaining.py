@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -51,6 +50,8 @@ def address_of(name: str) -> str | None:
     """The address of the page that explains a rule; without a published source, that of its table on this machine."""
     if name not in tables():
         return None
+    import importlib.metadata
+
     path, _ = tables()[name]
     urls = importlib.metadata.metadata("dh2urdf").get_all("Project-URL") or ()
     known = dict(each.partition(", ")[::2] for each in urls)

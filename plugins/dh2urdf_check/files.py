@@ -7,7 +7,7 @@ import os
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
+    from dh2urdf.stages import Emitter
     from dh2urdf_check.ask.asking import Answer
+    from dh2urdf_check.ask.findings import Seen
 
 _UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
 _BEGINNING = 2**16
@@ -93,8 +95,6 @@ def inspect_files(
         ConfigError: the format of a file that is named cannot be checked, or no file takes the arguments.
         BrokenPluginError: an emitter is at fault.
     """
-    from dh2urdf_check.ask.findings import asking, seen_findings
-
     folders = [path for path in paths if is_folder(path)]
     named = [path for path in paths if path not in folders]
     for path in named:
@@ -109,7 +109,7 @@ def inspect_files(
     consumers: dict[str, str] = {}
     answers: list[Answer] = []
     robot = None
-    with asking(catalog, list(emitters.items()), known, asked) as seen:
+    with _asking(catalog, emitters, known, asked) as seen:
         inspected = {}
         for path, emitter in emitters.items():
             checks = emitter.can(Checks)
@@ -128,7 +128,7 @@ def inspect_files(
         robot = inspection.robot if is_one else None
         if each := seen_of.get(path):
             answers.extend(each.answers)
-        findings.extend(seen_findings(each, inspection.findings) if each else inspection.findings)
+        findings.extend(each.beside(inspection.findings) if each else inspection.findings)
     if not is_used:
         message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
         raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
@@ -144,6 +144,17 @@ def inspect_files(
 
 
 _CHOICE = "`--as NAME`"
+
+
+def _asking(
+    catalog: Catalog, emitters: Mapping[Path, Emitter[Any]], expansion: Expansion, asked: Sequence[str] | None
+) -> contextlib.AbstractContextManager[Iterator[Seen]]:
+    """The programs that are asked, at work; nothing of them is imported where nobody is."""
+    if asked is None:
+        return contextlib.nullcontext(iter(()))
+    from dh2urdf_check.ask.findings import asking
+
+    return asking(catalog, list(emitters.items()), expansion, asked)
 
 
 def _unreadable(problem: Problem) -> Finding:

@@ -10,6 +10,7 @@ import itertools
 import math
 import re
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import unquote
@@ -250,22 +251,11 @@ def _unknown(document: Document, found: list[etree._Element], about: Mapping[str
             yield Place(element, {"$near": f": {near}" if near else ""})
 
 
-def _twice_anywhere(document: Document, found: list[etree._Element], key: str) -> Iterator[Place]:
-    """Each element with the key of one before; `$first` is the place of that."""
-    yield from _repeated(document, found, key, lambda _: None)
-
-
-def _twice(document: Document, found: list[etree._Element], key: str) -> Iterator[Place]:
-    """Each element with the key of one before it in the same element; `$first` is the place of that."""
-    yield from _repeated(document, found, key, lambda element: element.getparent())
-
-
-def _repeated(
-    document: Document, found: list[etree._Element], key: str, scope: Callable[[etree._Element], object]
-) -> Iterator[Place]:
+def _twice(document: Document, found: list[etree._Element], key: str, *, anywhere: bool = False) -> Iterator[Place]:
+    """Each element with the key of one before it, in the same element or anywhere; `$first` is the place of that."""
     first: dict[tuple[object, str], etree._Element] = {}
     for element in found:
-        known = scope(element), text_of(document.select(key, element))
+        known = None if anywhere else element.getparent(), text_of(document.select(key, element))
         if known[1] and known in first:
             yield Place(element, {"$first": document.place(first[known])})
         first.setdefault(known, element)
@@ -345,7 +335,7 @@ VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]
     "without": _without,
     "unknown": _unknown,
     "twice": _twice,
-    "twice anywhere": _twice_anywhere,
+    "twice anywhere": partial(_twice, anywhere=True),
     "together": _together,
     "each kind": _each_kind,
     "matches": _matches,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from dh2urdf.cli.answers import answer, answers as stream
-from dh2urdf.kinematics.comparison import changes
 from dh2urdf.source import listed, printable
 from dh2urdf.stages import PACKAGE_FILE, SEVERITIES
 from dh2urdf_check.reports import OTHER_ARM, counts, errors_of
@@ -190,6 +189,8 @@ def _count(number: int, what: str) -> str:
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:
+    from dh2urdf.kinematics.comparison import changes
+
     count = len(agreement.joints)
     chain = f"{agreement.base_link} to {agreement.tip_link}, {count} joint{'' if count == 1 else 's'}"
     if agreement.holds and agreement.difference is not None:

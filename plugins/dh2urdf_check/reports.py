@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import quote
 
 from dh2urdf import __version__
-from dh2urdf.kinematics.comparison import changes, number_text
-from dh2urdf.manipulator import JointType
 from dh2urdf.stages import SEVERITIES, Finding
 from dh2urdf_check.explaining import address_of
 
@@ -36,6 +34,8 @@ def counts(findings: Sequence[Finding]) -> dict[str, int]:
 
 def comparison_finding(agreement: Agreement, manipulator: Manipulator) -> Finding | None:
     """The finding that a description is not the arm of a table; None where it is."""
+    from dh2urdf.kinematics.comparison import changes
+
     if agreement.holds:
         return None
     message = f"the description is not the arm of the table {manipulator.name!r} as it stands"
@@ -133,6 +133,9 @@ def _place(mark: Mark | None) -> dict[str, Any]:
 
 
 def _comparison(agreement: Agreement, manipulator: Manipulator, table: Path) -> dict[str, Any]:
+    from dh2urdf.kinematics.comparison import changes, number_text
+    from dh2urdf.manipulator import JointType
+
     corrected = agreement.corrected
     return {
         "table": str(table),

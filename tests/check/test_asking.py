@@ -12,6 +12,7 @@ import pytest
 from consumers import require
 from faulty_files import collada
 
+import dh2urdf
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Question
 from dh2urdf_check.ask import urdfdom
@@ -78,6 +79,16 @@ def test_a_program_says_which_it_is(told: Any) -> None:
     document = told(urdf(), "--for", "mujoco")
     assert document["asked"]["mujoco"] == {"program": "MuJoCo 4.0.0", "end": "loads"}
     assert seen(document, "mujoco")["root-merged"]["seen"] == "MuJoCo 4.0.0"
+
+
+def test_python_asks_where_it_is_told_to(tmp_path: Path) -> None:
+    require("mujoco")
+    (tmp_path / "arm.urdf").write_text(urdf())
+    seen_in = [
+        {name for finding in dh2urdf.check(tmp_path / "arm.urdf", ask=ask).findings for name in finding.seen}
+        for ask in (False, True)
+    ]
+    assert ["MuJoCo 4.0.0" in names for names in seen_in] == [False, True]
 
 
 def test_nobody_is_asked_where_the_user_wants_that(told: Any) -> None:

@@ -19,7 +19,13 @@ say = Messages(__file__)
 
 
 def inspect(
-    catalog: Catalog, file: Path, format_name: str | None, choice: str, expansion: Expansion | None = None
+    catalog: Catalog,
+    file: Path,
+    format_name: str | None,
+    choice: str,
+    expansion: Expansion | None = None,
+    *,
+    ask: bool = False,
 ) -> Inspection:
     """The findings of the emitter of a file's format.
 
@@ -40,7 +46,10 @@ def inspect(
         unused = expansion.arguments if checks.finds_packages else expansion != Expansion()
         if unused and not has_macros(emitter):
             raise ConfigError(say("format-without-macros", Mark(file=str(file)), format=emitter.name))
-        return a_record(checks.check(file, expansion), Inspection)
+        found = a_record(checks.check(file, expansion), Inspection)
+        if ask and checks.ask is not None:
+            found = a_record(checks.ask(catalog, emitter, file, expansion, found), Inspection)
+        return found
 
 
 def emitter_of(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:

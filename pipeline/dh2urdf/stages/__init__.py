@@ -383,12 +383,16 @@ class Checks(NamedTuple):
         fix: the file with what is mechanical fixed, and every other byte as it was: `dh2urdf check --fix`. It raises
             `dh2urdf.errors.InputError` where it cannot read the file. None where files of the format are not fixed.
         finds_packages: whether `check` uses the `package_paths` of an `Expansion` though files hold no macros.
+        ask: gives a file that was inspected to the programs that are installed, and returns what was seen beside what
+            is foretold, from the catalog, the emitter, the file, its `Expansion` and its `Inspection`. None where no
+            program reads the format.
     """
 
     check: Callable[[Path, Expansion], Inspection]
     descriptions: Callable[[Mapping[Path, str]], Iterable[Path]] | None = None
     fix: Callable[[Path], Repair] | None = None
     finds_packages: bool = False
+    ask: Callable[[Any, Emitter[Any], Path, Expansion, Inspection], Inspection] | None = None
 
 
 class WritesFolders(NamedTuple):

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.documents import read_bytes
 from dh2urdf.documents.text_files import is_folder
-from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError
 from dh2urdf.isolation.fence import TRUST, missing_wall
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
+from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_check.ask.asking import Answer, Asked, Asking, programs
@@ -31,8 +32,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
-    from dh2urdf.source import Mark
-    from dh2urdf.stages import Emitter, HeldRobot, Severity
+    from dh2urdf.stages import Emitter, HeldRobot, Inspection, Severity
 
 _UNCOMPARED = frozenset(
     {
@@ -99,6 +99,10 @@ class Seen(NamedTuple):
     given: Given
     answers: tuple[Answer, ...]
 
+    def beside(self, foretold: Sequence[Finding]) -> list[Finding]:
+        """The findings about the file, see `seen_findings`."""
+        return seen_findings(self, foretold)
+
 
 @contextmanager
 def asking(
@@ -131,6 +135,21 @@ def why_unasked() -> str:
     """Why no program is given a file of a stranger here; an empty text where all can be."""
     missing = missing_wall()
     return f"{missing}; `--trust` asks the programs all the same" if missing and not os.environ.get(TRUST) else ""
+
+
+def with_what_is_seen(
+    catalog: Catalog, emitter: Emitter[Any], path: Path, expansion: Expansion, found: Inspection
+) -> Inspection:
+    """An inspection with what the programs that are installed were seen to do with the file.
+
+    Raises:
+        ConfigError: no program can be given the file of a stranger here.
+    """
+    if why := why_unasked():
+        raise ConfigError(Problem(message=f"no simulator is given the file: {why}", mark=Mark(file=str(path))))
+    with asking(catalog, [(path, emitter)], expansion, ()) as at_work:
+        seen = next(at_work, None)
+    return replace(found, findings=tuple(seen_findings(seen, found.findings))) if seen else found
 
 
 def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path) -> Given | None:

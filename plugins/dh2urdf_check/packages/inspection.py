@@ -13,7 +13,7 @@ from dh2urdf.meshes import own_folder, packages_in, with_its_own
 from dh2urdf.source import Mark, Problem, shown
 from dh2urdf.stages import PACKAGE_FILE, Finding, Inspection
 from dh2urdf_check.packages import names, paths
-from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Hit, Package, of_document, package_rules, parsed
+from dh2urdf_check.packages.package import CONSUMERS, LONGEST, Package, broken, of_document, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -49,29 +49,26 @@ def inspect_package(path: Path, expansion: Expansion) -> Inspection:
         root = parsed(content, place)
     except etree.XMLSyntaxError as error:
         mark = Mark(file=str(place), line=max(error.position[0], 1))
-        return _inspection([Hit("package-not-xml", mark, f"this is not XML: {error.msg}")])
+        return _inspection([broken("package-not-xml", mark, f"this is not XML: {error.msg}")])
     if root.tag != "package":
         message = f"the outermost element is {root.tag}, not package"
-        return _inspection([Hit("package-not-xml", Mark(file=str(place), line=1), message)])
+        return _inspection([broken("package-not-xml", Mark(file=str(place), line=1), message)])
     known = with_its_own(path, packages_in(expansion.package_paths))
     package = Package(place.parent, root, {name: each for name, each in known.items() if each != folder})
     package = Package(place.parent, root, {**package.known, package.name: place.parent})
     return _inspection([*of_document(root, place), *_project(package), *paths.hits(package), *names.hits(package)])
 
 
-def _project(package: Package) -> Iterator[Hit]:
+def _project(package: Package) -> Iterator[Finding]:
     path = package.folder / "CMakeLists.txt"
     text = (package.content(path) or b"").decode("utf-8", "replace")
     match = _PROJECT.search(text)
     if match and "$" not in match[1] and match[1].strip('"') != package.name:
         mark = Mark(file=str(path), line=text.count("\n", 0, match.start(1)) + 1)
-        yield Hit("package-project-name", mark, f"the project is {shown(match[1])}, the package {shown(package.name)}")
+        yield broken(
+            "package-project-name", mark, f"the project is {shown(match[1])}, the package {shown(package.name)}"
+        )
 
 
-def _inspection(hits: Iterable[Hit]) -> Inspection:
-    return Inspection(consumers=CONSUMERS, findings=tuple(map(_finding, hits)))
-
-
-def _finding(hit: Hit) -> Finding:
-    rule = package_rules()[hit.rule]
-    return Finding(rule=rule.name, message=hit.message, fix=rule.fix, effects=rule.effects, mark=hit.mark)
+def _inspection(findings: Iterable[Finding]) -> Inspection:
+    return Inspection(consumers=CONSUMERS, findings=tuple(findings))

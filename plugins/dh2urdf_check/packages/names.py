@@ -10,7 +10,7 @@ from lxml import etree
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.source import Mark, did_you_mean, shown
-from dh2urdf_check.packages.package import Hit, of_document, parsed
+from dh2urdf_check.packages.package import broken, of_document, parsed
 from dh2urdf_plugins.formats.xml_files import mark_of
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.robot import Joint
+    from dh2urdf.stages import Finding
     from dh2urdf_check.packages.package import Package
 
 _TAG = re.compile(rb"(?:^|[\s\[{,:])![A-Za-z!<]")
@@ -36,7 +37,7 @@ class _File(NamedTuple):
     node: Node
 
 
-def hits(package: Package) -> Iterator[Hit]:
+def hits(package: Package) -> Iterator[Finding]:
     """What there is to report of them; of joints only where a description can be read."""
     files: list[_File] = []
     for path in package.files:
@@ -49,7 +50,7 @@ def hits(package: Package) -> Iterator[Hit]:
             files.append(_File(path, load_yaml(content, str(path), InputError)))
         except InputError as error:
             problem = error.problems[0]
-            yield Hit("package-not-yaml", problem.mark or Mark(file=str(path)), problem.message)
+            yield broken("package-not-yaml", problem.mark or Mark(file=str(path)), problem.message)
     controllers = {name for file in files for name in _ros2_controllers(file.node)}
     for file in files:
         yield from _controllers(file.node, package, controllers)
@@ -81,7 +82,7 @@ def _ros2_controllers(node: Node) -> set[str]:
     return {name for name, entry in manager.items() if "type" in _entries(entry)}
 
 
-def _controllers(node: Node, package: Package, known: set[str]) -> Iterator[Hit]:
+def _controllers(node: Node, package: Package, known: set[str]) -> Iterator[Finding]:
     if "controller_manager" in _entries(node):
         for name in _ros2_controllers(node):
             yield from _controller_joints(_entries(node, name, _ROS).get("joints"), name, package)
@@ -91,14 +92,14 @@ def _controllers(node: Node, package: Package, known: set[str]) -> Iterator[Hit]
         if known and name not in known:
             near = did_you_mean(name, known)
             message = f"no controller of ros2_control is called {shown(name)}"
-            yield Hit("package-unknown-controller", each.mark, f"{message}: {near}" if near else message)
+            yield broken("package-unknown-controller", each.mark, f"{message}: {near}" if near else message)
         yield from _controller_joints(_entries(manager.get(name)).get("joints"), name, package)
 
 
-def _controller_joints(joints: Node | None, controller: str, package: Package) -> Iterator[Hit]:
+def _controller_joints(joints: Node | None, controller: str, package: Package) -> Iterator[Finding]:
     for each in _words(joints):
         if missing := _missing(str(each.value), package.joints):
-            yield Hit("package-controller-joint", each.mark, f"the controller {shown(controller)} moves {missing}")
+            yield broken("package-controller-joint", each.mark, f"the controller {shown(controller)} moves {missing}")
 
 
 def _missing(name: str, joints: dict[str, Joint], *, prefixed: bool = False) -> str | None:
@@ -119,7 +120,7 @@ def _missing(name: str, joints: dict[str, Joint], *, prefixed: bool = False) -> 
 # --- Limits and positions ---------------------------------------------------------------------------------------------
 
 
-def _limits(node: Node, package: Package) -> Iterator[Hit]:
+def _limits(node: Node, package: Package) -> Iterator[Finding]:
     found = _entries(node).get("joint_limits")
     limits = _entries(found)
     is_for_planning = any(key in _entries(entry) for entry in limits.values() for key in _PLANNING)
@@ -133,24 +134,24 @@ def _limits(node: Node, package: Package) -> Iterator[Hit]:
         has = values.get("has_acceleration_limits")
         if has is None or has.value is not True or "max_acceleration" not in values:
             mark = found.key_mark(name) if name in limits else found.mark
-            yield Hit("package-missing-limits", mark, f"the joint {shown(name)} has no acceleration")
+            yield broken("package-missing-limits", mark, f"the joint {shown(name)} has no acceleration")
 
 
-def _planning(name: str, values: dict[str, Node], joint: Joint | None) -> Iterator[Hit]:
+def _planning(name: str, values: dict[str, Node], joint: Joint | None) -> Iterator[Finding]:
     for key in _REALS:
         if key in values and type(values[key].value) is int:
             message = f"{key} of the joint {shown(name)} is the whole number {values[key].value}"
-            yield Hit("package-whole-number", values[key].mark, message)
+            yield broken("package-whole-number", values[key].mark, message)
     velocity = values.get("max_velocity")
     highest = joint.limits.velocity if joint else None
     if velocity is None or highest is None or not isinstance(velocity.value, (int, float)):
         return
     if velocity.value > highest * (1.0 + _NEAR):
         message = f"max_velocity of the joint {shown(name)} is {velocity.value:.9g}, in the description {highest:.9g}"
-        yield Hit("package-higher-limit", velocity.mark, message)
+        yield broken("package-higher-limit", velocity.mark, message)
 
 
-def _positions(node: Node, package: Package) -> Iterator[Hit]:
+def _positions(node: Node, package: Package) -> Iterator[Finding]:
     found = _entries(node).get("initial_positions")
     yield from _unknown(found, package, "an initial position", prefixed=True)
     for name, entry in _entries(found).items():
@@ -158,30 +159,30 @@ def _positions(node: Node, package: Package) -> Iterator[Hit]:
             yield from _outside(entry.value, package.joints[name], entry.mark, "the initial position")
 
 
-def _unknown(found: Node | None, package: Package, what: str, *, prefixed: bool) -> Iterator[Hit]:
+def _unknown(found: Node | None, package: Package, what: str, *, prefixed: bool) -> Iterator[Finding]:
     """The joints of a mapping that the descriptions do not have."""
     for name in _entries(found):
         missing = _missing(name, package.joints, prefixed=prefixed)
         if found is not None and missing:
-            yield Hit("package-unknown-joint", found.key_mark(name), f"{what} of {missing}")
+            yield broken("package-unknown-joint", found.key_mark(name), f"{what} of {missing}")
 
 
-def _outside(value: float, joint: Joint, mark: Mark, what: str) -> Iterator[Hit]:
+def _outside(value: float, joint: Joint, mark: Mark, what: str) -> Iterator[Finding]:
     lower, upper = joint.limits.lower, joint.limits.upper
     if lower is not None and upper is not None and not lower - _NEAR <= value <= upper + _NEAR:
         message = f"{what} of the joint {shown(joint.name)} is {value:.9g}, its limits are {lower:.9g} and {upper:.9g}"
-        yield Hit("package-outside-limits", mark, message)
+        yield broken("package-outside-limits", mark, message)
 
 
 # --- SRDF -------------------------------------------------------------------------------------------------------------
 
 
-def _srdf(path: Path, package: Package) -> Iterator[Hit]:
+def _srdf(path: Path, package: Package) -> Iterator[Finding]:
     try:
         root = parsed(package.content(path) or b"", path)
     except etree.XMLSyntaxError as error:
         mark = Mark(file=str(path), line=max(error.position[0], 1))
-        yield Hit("package-srdf-name", mark, f"this is not XML: {error.msg}")
+        yield broken("package-srdf-name", mark, f"this is not XML: {error.msg}")
         return
     name = root.get("name") or ""
     robot = next((each for each in package.robots if each.name == name), None)
@@ -190,7 +191,7 @@ def _srdf(path: Path, package: Package) -> Iterator[Hit]:
             return
         (robot,) = package.robots
         message = f"the SRDF is of the robot {shown(name)}, the description of {shown(robot.name)}"
-        yield Hit("package-srdf-robot", mark_of(root), message)
+        yield broken("package-srdf-robot", mark_of(root), message)
     virtual = [each.get("name") or "" for each in root.iterfind("virtual_joint")]
     links, joints = [link.name for link in robot.links], [*(joint.name for joint in robot.joints), *virtual]
     yield from of_document(root, path, {"$links": links, "$joints": joints})

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.documents import is_file, is_there, read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.source import Mark
+    from dh2urdf.stages import Finding
 
 CONSUMERS = {
     "colcon": "colcon and rosdep",
@@ -37,18 +38,10 @@ MOST_FILES = 10_000
 _DESCRIPTIONS = {".urdf", ".xacro"}
 
 
-class Hit(NamedTuple):
-    """A place where a rule is broken.
-
-    Attributes:
-        rule: the name of the rule.
-        mark: the place.
-        message: what is there.
-    """
-
-    rule: str
-    mark: Mark
-    message: str
+def broken(rule: str, mark: Mark, message: str) -> Finding:
+    """The finding that a rule is broken at a place."""
+    known = package_rules()[rule]
+    return known.finding(message, known.outcomes, mark)
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:
@@ -68,7 +61,9 @@ def package_rules() -> dict[str, Rule]:
     return rules_of("packages", CONSUMERS)
 
 
-def of_document(root: etree._Element, path: Path, sets: Mapping[str, Collection[str]] | None = None) -> Iterator[Hit]:
+def of_document(
+    root: etree._Element, path: Path, sets: Mapping[str, Collection[str]] | None = None
+) -> Iterator[Finding]:
     """The places of a file of a package where it breaks rules that are data.
 
     Args:
@@ -79,7 +74,7 @@ def of_document(root: etree._Element, path: Path, sets: Mapping[str, Collection[
     document = Document(root, path)
     document.sets |= sets or {}
     for hit in document.hits(package_rules().values()):
-        yield Hit(hit.rule, mark_of(hit.at), hit.message)  # type: ignore[arg-type]  # no rule is of the text
+        yield broken(hit.rule, mark_of(hit.at), hit.message)  # type: ignore[arg-type]  # no rule is of the text
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,12 +11,13 @@ from lxml import etree
 from dh2urdf.documents import is_there
 from dh2urdf.meshes import PACKAGE
 from dh2urdf.source import Mark, shown
-from dh2urdf_check.packages.package import Hit, parsed
+from dh2urdf_check.packages.package import broken, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
+    from dh2urdf.stages import Finding
     from dh2urdf_check.packages.package import Package
 
 _IN_XML = re.compile(
@@ -25,9 +25,9 @@ _IN_XML = re.compile(
 )
 _MARKUP = {".xacro", ".urdf", ".srdf", ".launch", ".xml"}
 _DECLARED = ("depend", "exec_depend", "run_depend")
-_SHARES = ("FindPackageShare", "get_package_share_directory", "get_package_share_path")
-_JOINED = ("PathJoinSubstitution", "join")
-_BUILDER = "MoveItConfigsBuilder"
+_TEXT = r"[\"']([^\"'\n]+)[\"']"
+_SHARE = rf"(?:FindPackageShare|get_package_share_(?:directory|path))\(\s*(?:package(?:_name)?\s*=\s*)?{_TEXT}\s*\)"
+"""How Python names the folder of a package."""
 _INSTALL = re.compile(
     r"install\s*\(\s*(?:DIRECTORY|FILES|PROGRAMS)\s+([^)]*?)\s+DESTINATION\b|INSTALL_TO_SHARE\s+([^)]*)\)",
     re.IGNORECASE,
@@ -50,7 +50,7 @@ class Use(NamedTuple):
     is_mesh: bool = False
 
 
-def hits(package: Package) -> Iterator[Hit]:
+def hits(package: Package) -> Iterator[Finding]:
     """What there is to report of them."""
     declared = {(element.text or "").strip() for tag in _DECLARED for element in package.root.findall(tag)}
     declared.add(package.name)
@@ -59,15 +59,15 @@ def hits(package: Package) -> Iterator[Hit]:
     for use in _uses(package):
         if use.package not in declared and use.package not in reported:
             reported.add(use.package)
-            yield Hit("package-undeclared", use.mark, f"the package {shown(use.package)} is not in package.xml")
+            yield broken("package-undeclared", use.mark, f"the package {shown(use.package)} is not in package.xml")
         folder = package.known.get(use.package)
         if folder is None or not use.path:
             continue
         if not is_there(folder / use.path):
             if not use.is_mesh:
-                yield Hit("package-missing-file", use.mark, f"{shown(use.path)} is not in the package {use.package}")
+                yield broken("package-missing-file", use.mark, f"{shown(use.path)} is not in the package {use.package}")
         elif use.package == package.name and installed is not None and not _is_installed(use.path, installed):
-            yield Hit("package-not-installed", use.mark, f"{shown(use.path)} is not installed")
+            yield broken("package-not-installed", use.mark, f"{shown(use.path)} is not installed")
 
 
 def _uses(package: Package) -> Iterator[Use]:
@@ -93,61 +93,23 @@ def _in_markup(path: Path, content: bytes) -> Iterator[Use]:
 
 
 def _in_launch(path: Path, content: bytes) -> Iterator[Use]:
-    try:
-        tree = ast.parse(content)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return
-    shares: dict[str, str] = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign) and (name := _share(node.value, {})):
-            shares.update({target.id: name for target in node.targets if isinstance(target, ast.Name)})
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call):
-            mark = Mark(file=str(path), line=node.lineno)
-            yield from (use._replace(mark=mark) for use in _called(node, shares, mark))
+    """The packages and paths of a launch file, as far as they are texts in it."""
+    text = re.sub(r"(?m)^[ \t]*#.*$", "", content.decode("utf-8", "replace"))
 
+    def use(match: re.Match[str], package: str, inside: str = "") -> Use:
+        return Use(package, inside, Mark(file=str(path), line=text.count("\n", 0, match.start()) + 1))
 
-def _called(call: ast.Call, shares: dict[str, str], mark: Mark) -> Iterator[Use]:
-    """The packages and paths of one call of a launch file."""
-    words = {keyword.arg: _text(keyword.value) for keyword in call.keywords}
-    function = _function(call)
-    if function in _SHARES and (name := _share(call, shares)):
-        yield Use(name, "", mark)
-    elif function in _JOINED and (parts := _parts(call)) and (name := _share(parts[0], shares)):
-        texts = [_text(part) for part in parts[1:]]
-        if texts and all(texts):
-            yield Use(name, str(PurePosixPath(*map(str, texts))), mark)
-    elif function == _BUILDER:
-        first = _text(call.args[0]) if call.args else words.get("robot_name")
-        if name := words.get("package_name") or (f"{first}_moveit_config" if first else None):
-            yield Use(name, "", mark)
-    elif name := words.get("package"):
-        yield Use(name, "", mark)
-
-
-def _function(call: ast.Call) -> str:
-    return call.func.id if isinstance(call.func, ast.Name) else getattr(call.func, "attr", "")
-
-
-def _parts(call: ast.Call) -> list[ast.expr]:
-    """The parts of a path, in a list or as arguments."""
-    if len(call.args) == 1 and isinstance(call.args[0], (ast.List, ast.Tuple)):
-        return call.args[0].elts
-    return call.args
-
-
-def _share(node: ast.expr, shares: dict[str, str]) -> str | None:
-    """The package whose share a value is."""
-    if isinstance(node, ast.Name):
-        return shares.get(node.id)
-    if isinstance(node, ast.Call) and _function(node) in _SHARES:
-        given = [*node.args, *(keyword.value for keyword in node.keywords)]
-        return _text(given[0]) if given else None
-    return None
-
-
-def _text(node: ast.expr) -> str | None:
-    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value else None
+    shares = {match[1]: match[2] for match in re.finditer(rf"(\w+)\s*=\s*{_SHARE}", text)}
+    for match in re.finditer(_SHARE, text):
+        yield use(match, match[1])
+    for match in re.finditer(rf"(?:PathJoinSubstitution|join)\(\s*\[?\s*(?:{_SHARE}|(\w+))((?:\s*,\s*{_TEXT})+)", text):
+        if (package := match[1] or shares.get(match[2])) and text[match.end() :].lstrip(" \n\t,")[:1] in {"]", ")"}:
+            yield use(match, package, str(PurePosixPath(*re.findall(_TEXT, match[3]))))
+    for match in re.finditer(rf"\bpackage\s*=\s*{_TEXT}", text):
+        yield use(match, match[1])
+    for match in re.finditer(rf"MoveItConfigsBuilder\(\s*(?:robot_name\s*=\s*)?{_TEXT}([^()]*)", text):
+        named = re.search(rf"package_name\s*=\s*{_TEXT}", match[2])
+        yield use(match, named[1] if named else f"{match[1]}_moveit_config")
 
 
 def _installed(package: Package) -> list[PurePosixPath] | None:

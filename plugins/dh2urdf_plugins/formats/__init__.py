@@ -41,7 +41,8 @@ def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool
         return ()
     function = "dh2urdf_check.{}".format
     fixes = Late(function(fix)) if fix else None
-    return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages),)
+    ask = Late(function("ask.findings:with_what_is_seen"))
+    return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages, ask),)
 
 
 def numbered_name(name: str, taken: Collection[str]) -> str:

@@ -422,7 +422,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/loaders": 2940,
     "plugins/dh2urdf_plugins/packages": 2230,
     "plugins/dh2urdf_plugins/readers": 8150,
-    "plugins/dh2urdf_plugins/transforms": 2310,
+    "plugins/dh2urdf_plugins/transforms": 2290,
     "plugins/dh2urdf_plugins/xacro_fence": 770,
     "plugins/dh2urdf_studio": 7100,
 }

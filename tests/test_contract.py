@@ -31,7 +31,7 @@ from dh2urdf_plugins.edits.rename import RenameOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
 from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

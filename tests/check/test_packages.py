@@ -89,8 +89,8 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sound description package and a sound MoveIt package of a UR5."""
     import dh2urdf
     from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
-    from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.robots import alpha_swap
 
     robot = alpha_swap(dh2urdf.read(TABLES / "ur5.csv"), AlphaSwapOptions(frames="dh"))
     person = {"maintainer": "Ada", "email": "ada@lab.org", "license": "BSD-3-Clause"}

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 say = Messages(__file__)
 

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
     from dh2urdf.robot import Material, Robot, Visual
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame, Pose
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Robot
-    from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+    from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 THICKNESS = 0.01
 """Thickness of the paper's boxes [m] (section IV)."""

@@ -9,7 +9,7 @@ from dh2urdf.errors import TransformError
 from dh2urdf.manipulator import JointType
 from dh2urdf.source import Messages, Problem
 from dh2urdf.variations.drawn_links import other_lengths
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.checks import (
     angle_notices,
     is_weighed,
@@ -18,18 +18,19 @@ from dh2urdf_plugins.transforms.checks import (
     table_problems,
     with_inertias,
 )
-from dh2urdf_plugins.transforms.exact import exact
+from dh2urdf_plugins.transforms.exact import exact, exact_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.manipulator import Manipulator, MeshShape
     from dh2urdf.robot import Robot
 
 say = Messages(__file__)
 
 
-def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
+def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     """The robot of a manipulator.
 
     Raises:
@@ -54,6 +55,19 @@ def robot_of(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         problems += [*raised, *angle_notices(given), *other_lengths(given)]
     notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
     return replace(robot, notices=notices, manipulator=None if manipulator is given else manipulator)
+
+
+def alpha_swap_columns(
+    columns: ManipulatorColumns, options: AlphaSwapOptions
+) -> list[tuple[list[int], RobotColumns]] | None:
+    """The robots of many manipulators, in groups.
+
+    None for the paper's variant and for split rows, which nobody makes by the thousand.
+    """
+    if options.variant == "paper" or options.near_parallel == "split":
+        return None
+    has_notices = any(of_meshes(columns.table)) or (len(columns) and any(without_effect(columns.pick(0), options)))
+    return [] if has_notices else exact_columns(columns, options)
 
 
 def of_meshes(manipulator: Manipulator, *, placed: bool = True) -> Iterable[Problem]:

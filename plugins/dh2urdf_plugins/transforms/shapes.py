@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual, new_collision, new_visual
-from dh2urdf_plugins.transforms.alpha_swap_options import Shape
+from dh2urdf_plugins.transforms.alpha_swap import Shape
 from dh2urdf_plugins.transforms.formulas import (
     HALF,
     NO_VECTOR,

@@ -30,8 +30,7 @@ from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.formats.xacro.reader import expand
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

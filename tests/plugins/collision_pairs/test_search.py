@@ -18,8 +18,8 @@ from dh2urdf_plugins.collision_pairs.options import PairOptions
 from dh2urdf_plugins.collision_pairs.scene import Mechanism
 from dh2urdf_plugins.collision_pairs.search import collision_pairs, robot_pairs
 from dh2urdf_plugins.formats import mjcf
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,8 +12,8 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable

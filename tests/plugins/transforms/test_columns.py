@@ -18,8 +18,8 @@ from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import exact as transform_module
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

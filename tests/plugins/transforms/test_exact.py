@@ -16,8 +16,8 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Box, Cylinder
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

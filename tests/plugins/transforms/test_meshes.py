@@ -15,9 +15,9 @@ from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
 from dh2urdf.meshes import find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap, alpha_swap_columns
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.meshes import mesh_body
+from dh2urdf_plugins.transforms.robots import alpha_swap, alpha_swap_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable

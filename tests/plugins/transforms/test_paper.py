@@ -10,8 +10,7 @@ import pytest
 from dh2urdf.errors import TransformError
 from dh2urdf.robot import Box
 from dh2urdf.robot_check import check_robot
-from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable

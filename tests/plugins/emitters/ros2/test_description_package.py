@@ -23,8 +23,8 @@ from dh2urdf_plugins.formats.urdf import EMITTER as URDF, UrdfOptions
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro.reader import read_foreign_xacro
 from dh2urdf_plugins.packages.ros2 import EMITTER, PLUGINS, Ros2Options
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

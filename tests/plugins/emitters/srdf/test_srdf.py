@@ -13,8 +13,8 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Limits
 from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.packages.srdf import EMITTER, SrdfOptions
-from dh2urdf_plugins.transforms.alpha_swap import alpha_swap
-from dh2urdf_plugins.transforms.alpha_swap_options import AlphaSwapOptions
+from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable

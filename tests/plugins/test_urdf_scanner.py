@@ -19,7 +19,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulato
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf_plugins.formats.urdf import scanner as urdf_scanner
-from dh2urdf_plugins.formats.urdf.reader import parse_urdf, robot_of
+from dh2urdf_plugins.formats.urdf.reader import model_of, parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
 if TYPE_CHECKING:
@@ -341,11 +341,11 @@ class TestParts:
         """Of files that all have other elements, the slow reader reads what is new in each."""
         asked = []
 
-        def counted(root: Any, file: str) -> Robot:
+        def counted(root: Any, file: str) -> Any:
             asked.append(root)
-            return robot_of(root, file)
+            return model_of(root, file)
 
-        monkeypatch.setattr(urdf_scanner, "robot_of", counted)
+        monkeypatch.setattr(urdf_scanner, "model_of", counted)
         shapes = [b'<sphere radius="0.1"/>', b'<box size="0.1 0.2 0.3"/>', b'<cylinder radius="0.05" length="1"/>']
         looks = [b"<visual><geometry>%s</geometry></visual>" % shape for shape in shapes]
         files = [

@@ -7,14 +7,17 @@ can be called. No class, module or table is among them. `Work` bounds every valu
 from __future__ import annotations
 
 import ast
+import builtins
 import functools
 import math
 import operator
 import re
 import string
+import tomllib
 from collections import ChainMap
 from collections.abc import Iterator, Sized
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import xacro  # noqa: TID253 - only the child that expands imports this module
@@ -29,21 +32,11 @@ MAX_EXPRESSION, MAX_BITS, MAX_ARGUMENT = 20_000, 8192, 1000
 MAX_SIZE, MAX_WORK = 1_000_000, 5_000_000
 """Elements, characters and bits of a value at all depths; and of all values of a file, with the steps to make them."""
 
-_ATTRIBUTES: dict[Value, str] = {
-    str: "capitalize casefold center count endswith find format index isalnum isalpha isascii isdecimal isdigit "
-    "isidentifier islower isnumeric isprintable isspace istitle isupper join ljust lower lstrip partition removeprefix "
-    "removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title "
-    "upper zfill",
-    list: "copy count index pop",
-    tuple: "count index",
-    dict: "copy get items keys pop values",
-    (set, frozenset): "copy difference intersection isdisjoint issubset issuperset union",
-    (float, int, complex): "bit_count bit_length conjugate denominator imag is_integer numerator real",
-    range: "count index start step stop",
+_ALLOWED: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("allowed.toml").read_text("utf-8"))
+_ATTRIBUTES: dict[Value, set[str]] = {
+    tuple(getattr(builtins, kind) for kind in kinds.split()): set(names.split())
+    for kinds, names in _ALLOWED["attributes"].items()
 }
-"""What an expression may ask of data; `pop` is the one thing that changes any, and makes it smaller."""
-_GROWING = {"center", "join", "ljust", "replace", "rjust", "zfill"}
-"""Methods whose result is at most as large as the product of the sizes of text and arguments."""
 
 
 class ExpressionError(Exception):
@@ -126,11 +119,11 @@ class Namespace(_NoText):
 def _attribute(value: Value, name: str, work: Work) -> Value:
     """A method of data, or an entry whose name follows a dot; any other attribute is an `ExpressionError`."""
     for kind, names in _ATTRIBUTES.items():
-        if isinstance(value, kind) and name in names.split():
+        if isinstance(value, kind) and name in names:
             found = getattr(value, name)
             if isinstance(value, str) and name == "format":
                 found = partial(_Formatter(work).format, value)
-            elif isinstance(value, str) and name in _GROWING:
+            elif isinstance(value, str) and name in _ALLOWED["growing"]["methods"].split():
                 found = partial(_grown, name, value)
             return Function(work, "", found) if callable(found) else found
     is_entry = isinstance(value, Namespace) and name not in dir(value.table)
@@ -217,12 +210,8 @@ _OWN: dict[str, Callable[..., Value]] = {
     "tokenize": _tokenize,
 }
 """What takes the place of functions of xacro, by name."""
-_PYTHONS = (
-    "Add:add Sub:sub Div:truediv FloorDiv:floordiv MatMult:matmul RShift:rshift BitOr:or_ BitAnd:and_ BitXor:xor "
-    "Not:not_ USub:neg UAdd:pos Invert:invert Eq:eq NotEq:ne Lt:lt LtE:le Gt:gt GtE:ge Is:is_ IsNot:is_not"
-)
 _OPERATORS: dict[type[ast.AST], Callable[..., Value]] = {
-    **{getattr(ast, kind): getattr(operator, name) for kind, name in (pair.split(":") for pair in _PYTHONS.split())},
+    **{getattr(ast, kind): getattr(operator, name) for kind, name in _ALLOWED["operators"].items()},
     ast.Mult: _product,
     ast.Pow: _power,
     ast.LShift: lambda number, by: number << bounded(by, MAX_BITS, "a number of bits"),

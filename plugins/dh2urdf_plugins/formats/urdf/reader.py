@@ -39,20 +39,11 @@ def parse_urdf(content: bytes, file: str) -> Robot:
     Raises:
         ProofError: the text is not the URDF of a robot.
     """
-    return robot_of(written_tree_of(content, file), file)
+    return model_of(written_tree_of(content, file), file).whole()
 
 
 read_urdf = partial(read_file, parse_urdf)
 """The robot of a URDF file."""
-
-
-def robot_of(root: etree._Element, file: str) -> Robot:
-    """The robot of a tree of elements that dh2urdf has written.
-
-    Raises:
-        ProofError: the elements are not the URDF of a robot, or something in it cannot be read.
-    """
-    return model_of(root, file).whole()
 
 
 def model_of(root: etree._Element, file: str) -> Model:

@@ -31,7 +31,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import ZERO
-from dh2urdf_plugins.formats.urdf.reader import robot_of
+from dh2urdf_plugins.formats.urdf.reader import model_of
 from dh2urdf_plugins.formats.xml_files import written_tree_of
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ class _Place:
         whole, values = b"".join((_ROOT, self._before, text, self._after)), text.split(b'"')[1::2]
         try:
             root = written_tree_of(whole, "")
-            robot = robot_of(root, "")
+            robot = model_of(root, "").whole()
         except ProofError:
             return None
         items = [(element, str(k), str(v)) for element in root.iter(etree.Element) for k, v in element.items()]

@@ -30,11 +30,6 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 
-VIEWING = (
-    *("joint_state_publisher", "joint_state_publisher_gui", "launch", "launch_ros"),
-    *("robot_state_publisher", "rviz2", "xacro"),
-)
-CONTROLLING = ("controller_manager", "joint_state_broadcaster", "joint_trajectory_controller")
 TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
 _SHORTEST = 2
 _SUFFIX = "_description"

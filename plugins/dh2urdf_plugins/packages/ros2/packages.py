@@ -46,11 +46,6 @@ say = Messages(__file__)
 
 
 BASE = "base"
-PLANNING = (
-    *("moveit_configs_utils", "moveit_kinematics", "moveit_planners", "moveit_ros_move_group"),
-    *("moveit_ros_visualization", "moveit_setup_assistant", "moveit_simple_controller_manager"),
-    *("robot_state_publisher", "rviz2", "tf2_ros", "xacro"),
-)
 
 
 def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
@@ -118,7 +113,7 @@ def _description(
     yield "launch/view_robot.launch.py", files.launch_file(package, name, robot)
     yield "rviz/view_robot.rviz", files.view("view_robot.rviz", robot)
     yield "test/test_description.py", files.test_file(package, name, robot)
-    needed = sorted({*files.VIEWING, *(files.CONTROLLING if controlled else ())})
+    needed = yamls.depends("viewing", *(["controlling"] if controlled else []))
     summary = f"The description of {robot.name}"
     yield "package.xml", files.package_xml(package, summary, options, needed, files.TESTING)
     yield "README.md", files.readme(package, name, robot, kinds, options)
@@ -157,7 +152,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
         yield f"launch/{what}.launch.py", launch
     yield "test/test_moveit_config.py", files.filled("test_moveit_config.py", NAME=name)
     yield ".setup_assistant", yamls.setup_assistant(name, description, options)
-    needed = sorted({description, *PLANNING, *(files.CONTROLLING if controlled else ())})
+    needed = sorted([description, *yamls.depends("planning", *(["controlling"] if controlled else []))])
     tested = ("ament_cmake_pytest", "python3-yaml", "xacro")
     summary = f"The configuration of MoveIt for {robot.name}"
     yield "package.xml", files.package_xml(package, summary, options, needed, tested)

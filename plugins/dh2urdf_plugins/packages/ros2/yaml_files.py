@@ -66,6 +66,11 @@ def _fixed_values() -> dict[str, Any]:
     return yaml.safe_load((Path(__file__).parent / "fixed_values.yaml").read_text("utf-8"))  # type: ignore[no-any-return]
 
 
+def depends(*what: str) -> list[str]:
+    """The packages that are needed for some uses, in their order."""
+    return sorted({package for each in what for package in _fixed_values()[each]})
+
+
 def is_no_text(word: str) -> bool:
     """Whether ROS reads a word without quotes as a truth value or a number, where YAML libraries read a text.
 

@@ -418,12 +418,12 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 530,
     "plugins/dh2urdf_plugins/executors": 520,
     "plugins/dh2urdf_plugins/extraction": 1090,
-    "plugins/dh2urdf_plugins/formats": 4400,
+    "plugins/dh2urdf_plugins/formats": 4390,
     "plugins/dh2urdf_plugins/loaders": 2940,
-    "plugins/dh2urdf_plugins/packages": 2230,
+    "plugins/dh2urdf_plugins/packages": 2220,
     "plugins/dh2urdf_plugins/readers": 8150,
     "plugins/dh2urdf_plugins/transforms": 2290,
-    "plugins/dh2urdf_plugins/xacro_fence": 770,
+    "plugins/dh2urdf_plugins/xacro_fence": 760,
     "plugins/dh2urdf_studio": 7100,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""

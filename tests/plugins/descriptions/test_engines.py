@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +12,6 @@ from random_chains import random_chain
 
 import dh2urdf
 from dh2urdf.manipulator import Convention, JointType
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 CHAINS = 12
 
@@ -64,28 +61,11 @@ def test_pinocchio(tmp_path: Path, convention: Convention) -> None:
 
 
 @pytest.mark.skipif(not find_spec("mujoco"), reason="mujoco is not installed")
-def test_mujoco(tmp_path: Path) -> None:
+def test_mujoco() -> None:
     """MuJoCo's pose of the tip, of an MJCF whose joints are apart from their bodies' origins."""
     import mujoco
 
-    text = """<mujoco model="arm"><compiler angle="radian"/><worldbody>
-  <body name="a" pos="0.1 0 0.3" euler="0.3 0 0.2">
-    <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-    <joint name="j1" axis="0 1 0" pos="0.02 0 0.1"/>
-    <body name="b" pos="0 0.4 0" quat="0.6 0 0.8 0">
-      <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-      <joint name="j2" type="slide" axis="1 0 0" range="-1 1"/>
-      <body name="c" pos="0.2 0 0.1" euler="0 1.5707963267948966 0">
-        <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-        <joint name="j3" axis="0 0.6 0.8"/>
-        <site name="tool0" pos="0 0.1 0.2" euler="0.1 0.2 0.3"/>
-      </body>
-    </body>
-  </body>
-</worldbody></mujoco>
-"""
-    path = tmp_path / "arm.xml"
-    path.write_text(text)
+    path = Path(__file__).parent / "files" / "joints_apart.xml"
     arm = dh2urdf.extract(path)
     assert [row.joint for row in arm.rows] == ["j1", "j2", "j3"]
     model = mujoco.MjModel.from_xml_path(str(path))

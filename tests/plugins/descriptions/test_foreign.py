@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,21 +12,10 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.stages.foreign_robot import Follower, following, with_followers
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-GRIPPER = """<robot {attributes}>
-  <material name="blue"><color rgba="0 0 1 1"/></material>
-  <link name="base_link"><visual><geometry><box size="1 1 1"/></geometry><material name="blue"/></visual></link>
-  <link name="one"><visual><geometry><box size="1 1 1"/></geometry><material name="nowhere"/></visual></link>
-  <link name="two"/><link name="ball"/>
-  <joint name="a" type="revolute"><parent link="base_link"/><child link="one"/><origin xyz="0.1 0 0.3"/>
-    <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-  <joint name="b" type="revolute"><parent link="one"/><child link="two"/><origin xyz="0 0.2 0"/>
-    <axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="1" velocity="1"/>
-    <mimic joint="a" multiplier="-2" offset="0.25"/></joint>
-  <joint name="c" type="floating"><parent link="two"/><child link="ball"/></joint>
-</robot>"""
+GRIPPER, SHAPES, IN_SDF, FOLLOWING = (
+    (Path(__file__).parent / "files" / name).read_text("utf-8")
+    for name in ("gripper.urdf.in", "shapes.urdf", "shapes.sdf", "following.xml.in")
+)
 
 
 @pytest.mark.parametrize("suffix", [".urdf", ".urdf.xacro"])
@@ -62,17 +51,6 @@ def test_xml_that_only_readers_of_robots_take(tmp_path: Path, start: str, attrib
     assert found.joints[0].mark.line == 6 + start.count("\n")
     if "0.0" not in start:  # Pinocchio 4 has no such version of XML.
         assert pinocchio.buildModelFromUrdf(str(path)).existJointName("a")
-
-
-SHAPES = """<robot name="shapes"><link name="a">
-  <visual><origin xyz="0.1 0.2 0.3" rpy="0.4 0.5 0.6"/><geometry><capsule radius="0.1" length="0.4"/></geometry>
-    <material name="red"><color rgba="1 0 0 1"/></material></visual>
-  <visual><geometry><ellipsoid a="1"/></geometry></visual><visual name="v"/><collision><geometry/></collision>
-  <collision><geometry><capsule radius="0.1" length="long"/></geometry></collision>
-  <collision><geometry><capsule radius="0.1" length="0.2"/></geometry></collision>
-</link></robot>"""
-IN_SDF = """<sdf version="1.9"><model name="m"><link name="a"><visual name="v"><pose>0.1 0.2 0.3 0.4 0.5 0.6</pose>
-  <geometry><capsule><radius>0.1</radius><length>0.4</length></capsule></geometry></visual></link></model></sdf>"""
 
 
 def test_shapes_that_urdf_has_no_word_for(tmp_path: Path) -> None:
@@ -111,16 +89,6 @@ def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
     pinocchio.framesForwardKinematics(model, data, np.array([0.7]))
     held = data.oMf[model.getFrameId("two")].homogeneous
     assert as_matrices(poses["two"]) == pytest.approx(held, abs=1e-12)
-
-
-FOLLOWING = """<mujoco><compiler angle="{angle}" meshdir="assets"/><worldbody>
-  <body name="one"><joint name="a" axis="0 0 1" ref="{a}"/><geom size="0.1"/>
-  <body name="two" pos="0 0.2 0"><joint name="b" axis="0 1 0" ref="{b}"/><geom size="0.1"/></body></body>
-  <body name="three"><joint name="c" ref="{b}"/><joint name="d" axis="1 0 0"/><joint name="e" axis="0 1 0" ref="{b}"/>
-  <geom size="0.1"/></body></worldbody>
-  <equality><joint joint1="b" joint2="a" polycoef="0.25 -2 0 0 0"/>
-  <joint joint1="c" joint2="a" polycoef="0.1 1 0.5 -0.3 0.2"/><joint joint1="e" polycoef="0.4 0 0 0 0"/>
-  <joint joint1="d" joint2="a" active="false"/></equality></mujoco>"""
 
 
 @pytest.mark.parametrize(("angle", "a", "b"), [("radian", 0.3, -0.2), ("degree", 20, 10)])

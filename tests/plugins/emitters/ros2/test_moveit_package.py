@@ -225,13 +225,6 @@ def test_each_arm_of_a_cell_starts_where_its_file_says(workshop: Path) -> None:
     assert started["f_elbow_joint"] == "0.0"
 
 
-def test_the_group_has_the_name_that_is_given(package: Any) -> None:
-    """In the SRDF and among the solvers."""
-    folder = moveit_folder(package("scara.csv", "aligned", replace(OPTIONS, group="arm"))[0])
-    assert list(content(folder, "kinematics")) == ["arm"]
-    assert etree.parse(folder / "config" / "scara.srdf").find("group").get("name") == "arm"
-
-
 @pytest.mark.parametrize("hardware", ["mock", "none"])
 def test_package_xml_has_the_form_of_rep_149(package: Any, hardware: Any) -> None:
     """Both packages; that of MoveIt needs the other one."""

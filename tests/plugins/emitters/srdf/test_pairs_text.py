@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from lxml import etree
 
@@ -13,40 +15,7 @@ from dh2urdf_plugins.packages.srdf.pairs_text import new_file, updated
 ROBOT = Robot(name="arm", links=tuple(Link(name=name) for name in ("a", "b", "c", "d")), joints=())
 PAIRS = (DisabledPair("a", "b", "Adjacent"), DisabledPair("a", "c", "Never"), DisabledPair("b", "c", "Default"))
 
-EARLIER = b"""<?xml version='1.0' encoding="UTF-8"?>
-<!-- Of the lab. -->
-<robot   name="arm">
-    <group name='manipulator'>
-        <chain base_link="a" tip_link="d"/> <!-- all of it -->
-        <disable_collisions link1="a" link2="d" reason="Never"/>
-    </group>
-    <!-- COLLISIONS -->
-    <disable_collisions link1="b" link2="a" reason="Adjacent" />
-    <disable_collisions link1="a" link2="d" reason="Never"/>
-\t<disable_collisions link1="b"
-        link2="c" reason="Never"></disable_collisions>
-    <disable_collisions link1="c" link2="d" reason="User"/> <!-- the cable -->
-    <disable_collisions link1="b" link2="a" reason="Never"/>
-    <some:thing xmlns:some="urn:x" of="mine">&lt;kept&#10;</some:thing>
-</robot>
-<!-- end -->
-"""
-LATER = b"""<?xml version='1.0' encoding="UTF-8"?>
-<!-- Of the lab. -->
-<robot   name="arm">
-    <group name='manipulator'>
-        <chain base_link="a" tip_link="d"/> <!-- all of it -->
-        <disable_collisions link1="a" link2="d" reason="Never"/>
-    </group>
-    <!-- COLLISIONS -->
-    <disable_collisions link1="b" link2="a" reason="Adjacent" />
-\t<disable_collisions link1="b" link2="c" reason="Default"/>
-    <disable_collisions link1="c" link2="d" reason="User"/> <!-- the cable -->
-    <disable_collisions link1="a" link2="c" reason="Never"/>
-    <some:thing xmlns:some="urn:x" of="mine">&lt;kept&#10;</some:thing>
-</robot>
-<!-- end -->
-"""
+EARLIER, LATER = (Path(__file__).with_name(f"{name}.srdf").read_bytes() for name in ("earlier", "later"))
 
 
 def later(content: bytes, pairs: tuple[DisabledPair, ...] = PAIRS, robot: Robot = ROBOT) -> bytes:

@@ -74,7 +74,7 @@ class TestTheProof:
 
     def test_an_edited_robot_has_to_be_the_arm_of_the_table(self, tmp_path: Path) -> None:
         """A tool0 that an edit has moved by a millimetre is found."""
-        with pytest.raises(ProofError, match=r"off by 0\.001 m"):
+        with pytest.raises(ProofError, match=r"0\.001 m"):
             written(tmp_path, edit(robot=moved))
         assert not list(tmp_path.iterdir())
 
@@ -118,13 +118,13 @@ class TestFaults:
             edit(table=lambda table, _: replace(table, name="b")),
             edit(robot=lambda robot, _: replace(robot, name="b")),
         ):
-            with pytest.raises(StageError, match="edit 'change' failed: ValueError: it changed the name 'ur5' to 'b'"):
+            with pytest.raises(StageError, match=r"'change'.*'ur5'.*'b'"):
                 make_robot(UR5, DRAWING, [call])
 
     def test_a_robot_that_an_edit_has_broken_names_the_edit(self) -> None:
         """Readers refuse a link that nothing holds."""
         call = edit(robot=lambda robot, _: replace(robot, links=(*robot.links, Link(name="loose"))))
-        with pytest.raises(RobotError, match=r"after the edit 'change': .*loose"):
+        with pytest.raises(RobotError, match=r"'change'.*loose"):
             make_robot(UR5, DRAWING, [call])
 
     def test_a_joint_that_an_edit_adds_is_checked(self) -> None:
@@ -134,7 +134,7 @@ class TestFaults:
             joint = Joint(name="strut", type=JointType.FIXED, parent="base_link", child="tool0")
             return replace(robot, joints=(*robot.joints, joint))
 
-        with pytest.raises(RobotError, match="after the edit 'change'"):
+        with pytest.raises(RobotError, match="'change'"):
             make_robot(UR5, DRAWING, [edit(robot=hold)])
 
 

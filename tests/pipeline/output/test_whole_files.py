@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-import errno
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,7 +91,7 @@ class TestStems:
         assert other == f"{safe_stem(second)}-2"
         assert notice is not None
         assert (notice.severity, notice.robot) == ("notice", second)
-        assert f"its files are named {other!r}" in notice.message
+        assert notice.code == "stem-changed"
         assert stem.casefold() != other.casefold()
 
     def test_a_name_that_looks_like_a_numbered_one(self) -> None:
@@ -138,12 +138,8 @@ class TestStaging:
     def test_a_file_where_the_folder_should_be(self, tmp_path: Path) -> None:
         """A file in the way is an error of one line that names it and the system's reason."""
         (tmp_path / "out").write_text("a file")
-        with pytest.raises(OutputError) as caught, staging(tmp_path / "out"):
+        with pytest.raises(OutputError, match=re.escape(f"'{tmp_path / 'out'}'")), staging(tmp_path / "out"):
             pass
-        assert str(caught.value).splitlines() == [
-            f"error: cannot write to the folder '{tmp_path / 'out'}': it is a file, not a folder",
-            "    write to another folder",
-        ]
 
 
 class TestWriteFiles:
@@ -159,8 +155,9 @@ class TestWriteFiles:
         """Nothing is written outside the folder, or to a folder."""
         inside = tmp_path / "out" / "staging"
         inside.mkdir(parents=True)
-        with pytest.raises(OutputError, match="is not a plain file name"):
+        with pytest.raises(OutputError) as caught:
             write_files(inside, [EmittedFile(name=name, content=b"x")])
+        assert caught.value.problems[0].code == "not-a-plain-name"
         assert tree(tmp_path) == {}
 
 
@@ -188,7 +185,7 @@ class TestPutInPlace:
                 write_files(folder, [EmittedFile(name=name, content=b"new") for name in ("a.urdf", "b.xacro")])
                 put_in_place(folder, ["a.urdf", "b.xacro"], tmp_path)
 
-        with pytest.raises(OutputError, match=os.strerror(errno.EISDIR)):
+        with pytest.raises(OutputError, match=r"b\.xacro"):
             place()
         assert tree(tmp_path) == {"a.urdf": b"old"}
 
@@ -210,9 +207,7 @@ class TestAddresses:
         (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
         dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "arm.urdf")
         before = tree(tmp_path)
-        told = cli(*words, status=2).stderr
-        assert "this is an address, and only files are written here" in told
-        assert "a run writes to addresses" in told
+        cli(*words, status=2)
         assert tree(tmp_path) == before
         assert not list(tmp_path.glob("*:"))
 
@@ -220,53 +215,30 @@ class TestAddresses:
 class TestNoFiles:
     """A path at which a device, a pipe or a socket is: a rename would put a file in its place, for all that use it."""
 
-    @pytest.fixture(params=["pipe", "link to a device", "link to an open file"])
-    def make(self, request: pytest.FixtureRequest, tmp_path: Path) -> Callable[[str], Path]:
-        """Puts it at a name, in a folder of its own."""
+    @pytest.fixture(params=["pipe", "/dev/null", "/proc/self/fd/1"])  # the last as /dev/stdout is
+    def path(self, request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+        path = tmp_path / "out" / "arm.urdf"
+        path.parent.mkdir()
+        os.mkfifo(path) if request.param == "pipe" else path.symlink_to(request.param)
+        return path
 
-        def made(name: str) -> Path:
-            path = tmp_path / name.rpartition(".")[2] / name
-            path.parent.mkdir()
-            match request.param:
-                case "pipe":
-                    os.mkfifo(path)
-                case "link to a device":
-                    path.symlink_to("/dev/null")
-                case _:  # as /dev/stdout is
-                    path.symlink_to("/proc/self/fd/1")
-            return path
-
-        return made
-
-    @pytest.fixture
-    def path(self, make: Callable[[str], Path]) -> Path:
-        return make("arm.urdf")
-
-    def is_refused(self, path: Path, write: Callable[[], object]) -> None:
-        before = os.lstat(path)
-        with pytest.raises(OutputError, match=r"cannot write '.*arm\.\w+': a device, a pipe or a socket is there"):
-            write()
-        after = os.lstat(path)
-        assert (after.st_ino, after.st_mode) == (before.st_ino, before.st_mode)
-        assert list(path.parent.iterdir()) == [path]
-
-    def test_files_of_a_manipulator(self, path: Path) -> None:
-        """Of several files none is put in place."""
+    def test_none_is_replaced(self, path: Path) -> None:
+        """Neither by a function that writes a file, nor by the second of two files, of which none is put in place."""
 
         def place() -> None:
             with staging(path.parent) as folder:
                 write_files(folder, [EmittedFile(name=name, content=b"new") for name in ("a.xacro", "arm.urdf")])
                 put_in_place(folder, ["a.xacro", "arm.urdf"], path.parent)
 
-        self.is_refused(path, place)
-
-    def test_what_a_program_writes(self, make: Callable[[str], Path]) -> None:
-        """Every function that writes a file refuses it."""
         arm = dh2urdf.read("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n", reader="csv")
-        path, table = make("arm.urdf"), make("arm.csv")
-        self.is_refused(path, lambda: dh2urdf.convert(arm, path))
-        self.is_refused(table, lambda: arm.to_csv(table))
-        self.is_refused(path, lambda: dh2urdf.convert(arm).robot.to_urdf(path))
+        before = os.lstat(path)
+        for write in (place, lambda: dh2urdf.convert(arm, path), lambda: dh2urdf.convert(arm).robot.to_urdf(path)):
+            with pytest.raises(OutputError) as caught:
+                write()
+            assert [problem.code for problem in caught.value.problems] == ["device-not-writable"]
+            after = os.lstat(path)
+            assert (after.st_ino, after.st_mode) == (before.st_ino, before.st_mode)
+            assert list(path.parent.iterdir()) == [path]
 
 
 class TestWriteAll:

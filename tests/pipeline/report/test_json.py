@@ -74,12 +74,6 @@ def test_the_report_of_a_long_run_is_cut() -> None:
     assert report["left_out"] == 7
 
 
-def test_the_exit_status() -> None:
-    """1 as soon as one manipulator failed; one that a dry run skipped, or that is kept, has not."""
-    assert result(batch(ok=1), batch(skipped=1), batch(kept=9)).exit_status == 0
-    assert result(batch(ok=1), batch(kept=9, failed=1)).exit_status == 1
-
-
 def timing(folder: Path, found: Result) -> dict[str, Any]:
     write_timing(open_store(folder), found)
     return dict(json.loads((folder / "timing.json").read_bytes()))

@@ -96,11 +96,6 @@ class TestTables:
             assert "\u202e" not in shown
             assert "<script>alert(1)</script>" in html.fromstring(shown).text_content()
 
-    def test_nothing_is_drawn(self) -> None:
-        """Without matplotlib the table stands alone."""
-        assert "<svg" not in chain(3)._repr_html_()
-        assert "<svg" not in robot_of(chain(3))._repr_html_()
-
 
 class TestDrawings:
     @pytest.fixture(autouse=True)

@@ -82,6 +82,7 @@ def test_an_input_is_not_overwritten(folder: Path) -> None:
         '{"convention": "standard", "joints": [{"a": 0.1, "alpha": 0, "d": 0.1}]}'
     )
     (folder / "run.yaml").write_text("inputs: told/report.json\noutput: {directory: out}\nreport: {directory: told}\n")
-    with pytest.raises(ConfigError, match="would overwrite its input") as caught:
+    with pytest.raises(ConfigError) as caught:
         dh2urdf.run(folder / "run.yaml")
-    assert caught.value.problems[0].field == "report.directory"
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.field) == ("run-overwrites-input", "report.directory")

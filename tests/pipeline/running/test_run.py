@@ -221,7 +221,7 @@ class TestPlan:
         made = rows(lab.plan(f"inputs: {inputs}", a="arm"))
         (arm,) = made
         (notice,) = arm["notices"]
-        assert "is an input twice, and is read once" in notice["message"]
+        assert notice["code"] == "input-twice"
 
     def test_a_missing_package_is_known_before_anything_is_read(self, lab: Lab) -> None:
         """A loader that is not installed ends the run before it begins."""

@@ -86,7 +86,7 @@ class TestCutting:
         assert last.stems == ("", "arm", "arm-2", "BAD")
         assert {place: len(notices) for place, notices in last.notices.items()} == {2: 1}
         (notice,) = last.notices[2]
-        assert "its files are named 'arm-2'" in notice.message
+        assert notice.code == "stem-changed"
         assert notice.mark == Mark(file=last.sources[2])
         assert Path(last.sources[2]).name == "two.csv"
 

@@ -132,13 +132,6 @@ class TestNumbers:
             each = [many.drawn([number])[0] for number in numbers]
             assert repr(many.drawn(numbers)) == repr(each)
 
-    def test_names_count_up_with_enough_digits(self) -> None:
-        """From 1, with as many digits as the count has: names sort as numbers do."""
-        for count, first, last in ((9, "arm_1", "arm_9"), (10, "arm_01", "arm_10"), (10000, "arm_00001", "arm_10000")):
-            names = variation(rule("a", SCALE, 2), count=count).variants().names
-            assert (names[0], names[-1], len(set(names))) == (first, last, count)
-            assert sorted(names) == names
-
 
 class TestGrids:
     def test_a_grid_is_complete(self) -> None:

@@ -209,7 +209,7 @@ class Document:
     def with_meshes(self, found: Manipulator | Rejected, table: RowTable) -> Manipulator | Rejected:
         """What was read, with the meshes of its links and what is wrong with them and with the document."""
         rows = list(found.rows) if isinstance(found, Manipulator) else []
-        for number, entries in enumerate(self.meshes):
+        for number, entries in ((number, entries) for number, entries in enumerate(self.meshes) if entries):
             wrong: list[Problem] = []
             values = Values(table.statements.units(), wrong.append, links=table.statements.mesh_links)
             drawn = meshes_of(values.entries(entries, MESHES))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import io
 from typing import TYPE_CHECKING
 
 from dh2urdf.documents import check_file, refuse_other_kind
@@ -17,8 +18,8 @@ say = Messages(__file__)
 
 MAX_LINE = 2**20
 """Length of a line: a file without line ends must not be held as one."""
-_CHARACTERS = 250_000
-"""Characters read at once, some thousand rows: with fewer, what a block costs besides its rows counts."""
+_BYTES = 250_000
+"""Bytes read at once, some thousand rows: with fewer, what a block costs besides its rows counts."""
 _SAMPLE = 4096
 _ACCEPTED = "text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells"
 _MARKS = {
@@ -40,19 +41,26 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
     check_file(path, TableError)
     with path.open("rb") as binary:
         encoding = _encoding(binary.read(_SAMPLE), path)
-    rest, line = "", 0
-    # Universal newlines: CR LF, CR and LF become "\n", also in a cell in quotes.
-    with path.open(encoding=encoding, newline=None) as text:
-        try:
-            while block := text.read(_CHARACTERS):
-                lines = (rest + block).split("\n")
-                rest = lines.pop()
-                if len(rest) > MAX_LINE:
-                    raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
+        binary.seek(0)
+        # Universal newlines: CR LF, CR and LF become "\n", also in a cell in quotes.
+        decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), translate=True)
+        rest, line, raw = "", 0, b"?"
+        while raw:
+            raw = binary.read(_BYTES)
+            try:
+                lines = (rest + decoder.decode(raw, final=not raw)).split("\n")
+            except UnicodeDecodeError as error:
+                at = line + 1 + error.object[: error.start].count(b"\n")
+                is_wide, byte = "16" in encoding, error.object[error.start]
+                perhaps = "" if is_wide else "; this may be Latin-1 or Windows-1252"
+                name, mark = "UTF-16" if is_wide else "UTF-8", Mark(file=str(path), line=at)
+                raise TableError(say("no-text", mark, byte=byte, name=name, perhaps=perhaps)) from None
+            rest = lines.pop()
+            if len(rest) > MAX_LINE:
+                raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
+            if lines:
                 yield lines
-                line += len(lines)
-        except UnicodeDecodeError as error:
-            raise _no_text(error, path, encoding) from None
+            line += len(lines)
     if rest:
         yield [rest]
 
@@ -67,19 +75,3 @@ def _encoding(sample: bytes, path: Path) -> str:
     if encoding == "utf-32" or (encoding == "utf-8" and (even or odd)):
         raise TableError(say("utf-32" if encoding == "utf-32" else "nul-bytes", Mark(file=str(path))))
     return encoding
-
-
-def _no_text(error: UnicodeDecodeError, path: Path, encoding: str) -> TableError:
-    """The error of bytes that are no text, found again: a decoder that streams does not know its line."""
-    codec, line = codecs.getincrementaldecoder(encoding)(), 1
-    with path.open("rb") as binary:
-        for line, raw in enumerate(binary, start=1):  # noqa: B007 - the last one
-            try:
-                codec.decode(raw)
-            except UnicodeDecodeError as again:
-                error = again
-                break
-    is_wide = encoding.startswith("utf-16")
-    name, perhaps = ("UTF-16", "") if is_wide else ("UTF-8", "; this may be Latin-1 or Windows-1252")
-    place = Mark(file=str(path), line=line)
-    return TableError(say("no-text", place, byte=error.object[error.start], name=name, perhaps=perhaps))

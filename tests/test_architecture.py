@@ -421,7 +421,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4390,
     "plugins/dh2urdf_plugins/loaders": 2940,
     "plugins/dh2urdf_plugins/packages": 2220,
-    "plugins/dh2urdf_plugins/readers": 8150,
+    "plugins/dh2urdf_plugins/readers": 8140,
     "plugins/dh2urdf_plugins/transforms": 2290,
     "plugins/dh2urdf_plugins/xacro_fence": 760,
     "plugins/dh2urdf_studio": 7100,

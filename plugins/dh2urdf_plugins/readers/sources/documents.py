@@ -309,7 +309,8 @@ class Document:
             return {}
         if field is None:
             return {key: _Value(key, place, _text(node), node.mark)}
-        if field.name == "flip" and (turned := flip_of(_text(node))) is not None:  # one column with `sign`
+        turned = flip_of(_text(node)) if field.name == "flip" and not mapping.entry("sign") else None
+        if turned is not None:  # one column with `sign`
             return {"sign": _Value("sign", place, "-1" if turned else "1", node.mark)}
         cell = _cell(node, field.name, "a text" if field.dimension is None else _NUMBER)
         if isinstance(node.value, bool) and field.dimension is not None:

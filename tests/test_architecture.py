@@ -418,7 +418,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 530,
     "plugins/dh2urdf_plugins/executors": 520,
     "plugins/dh2urdf_plugins/extraction": 1090,
-    "plugins/dh2urdf_plugins/formats": 4390,
+    "plugins/dh2urdf_plugins/formats": 4580,
     "plugins/dh2urdf_plugins/loaders": 2940,
     "plugins/dh2urdf_plugins/packages": 2220,
     "plugins/dh2urdf_plugins/readers": 8140,

@@ -18,7 +18,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf_plugins.formats.urdf import scanner as urdf_scanner
+from dh2urdf_plugins.formats.urdf import forms, scanner as urdf_scanner
 from dh2urdf_plugins.formats.urdf.reader import model_of, parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
@@ -121,10 +121,20 @@ def written(table: Manipulator, frames: str) -> bytes:
     return urdf(make_robot(table, Call(stage=stage, options=options)))
 
 
-@pytest.fixture(autouse=True)
-def anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test knows the files of another."""
+def with_other_numbers(step: float) -> bytes:
+    """The arm with another number in the place of each."""
+    head, robot, body = ARM.partition(b"<robot")
+    count = iter(range(1000))
+    return (
+        head + robot + re.sub(rb'(?<=[" ])-?[0-9][0-9.e-]*', lambda m: b"%r" % (float(m[0]) + step * next(count)), body)
+    )
+
+
+@pytest.fixture(autouse=True, params=[0, forms.ENOUGH], ids=["no file", "known form"])
+def anew(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """No test knows the files of another; the form of the arm is known before a test, or is not."""
     monkeypatch.setattr(urdf_scanner, "_scanner", urdf_scanner._Scanner())
+    scan_columns([with_other_numbers(0.01 * k) for k in range(request.param)])
 
 
 class TestWhatIsRead:
@@ -388,6 +398,29 @@ class TestParts:
 
 
 class TestWhatIsRemembered:
+    @pytest.mark.parametrize("step", [0.01, 0], ids=["all numbers vary", "none does"])
+    def test_a_form_is_known(self, monkeypatch: pytest.MonkeyPatch, step: float) -> None:
+        """Files of a known form are not cut into parts, and read to the last bit."""
+        scan_columns([with_other_numbers(step * k) for k in range(forms.ENOUGH)])
+        monkeypatch.delattr(urdf_scanner._Scanner, "_cut")
+        files = [with_other_numbers(step * k) for k in (5, 1e-7, -30)]
+        assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+
+    def test_a_file_of_another_form(self) -> None:
+        """A number that no other file changed, two that were always the same, and what is no number: all are seen."""
+        scan_columns([with_changes((b"0.25", b"%d.5" % k)) for k in range(forms.ENOUGH)])
+        plain = [with_changes(change) for change in ((b"0.25", b"7"), (b"0 0 1e-3", b"0 1 1e-3"), (b'"2"', b'"2.5"'))]
+        odd = with_changes((b"0.25", b"+1"))
+        files = [plain[0], odd, *plain[1:], plain[0]]
+        assert scanned(files) == {place: as_read(files[place]) for place in (0, 2, 3, 4)}
+
+    def test_numbers_that_were_always_alike(self) -> None:
+        """Two values that were the same text in each file are read apart where they are not."""
+        twice = [with_changes((b"0 0 0.25", b"0 0 %d" % k), (b"0 0 1e-3", b"0 0 %d" % k)) for k in range(40)]
+        files = [*twice, with_changes((b"0 0 0.25", b"0 0 3"), (b"0 0 1e-3", b"0 0 4")), twice[1]]
+        for _ in range(2):
+            assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
+
     def test_the_order_of_the_files_changes_nothing(self) -> None:
         """A file is read or left out for what it is, whatever came before it."""
         files = [with_changes(change) for change in NOT_PLAIN.values()]

@@ -19,26 +19,23 @@ What is read is what the slow reader would read, since of every file it is check
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate, chain
-from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-import orjson
 from lxml import etree
 
+from dh2urdf.elementwise import array_of
 from dh2urdf.errors import ProofError
-from dh2urdf.manipulator import Limits
-from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.rotations import ZERO
+from dh2urdf.robot import Link, Robot
+from dh2urdf_plugins.formats.urdf.forms import FORMS, IN_NUMBERS, Alike, Form, Joints, Part, numbers_in, picker
 from dh2urdf_plugins.formats.urdf.reader import model_of
 from dh2urdf_plugins.formats.xml_files import written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    Attribute: TypeAlias = tuple[str, str]  # tag and name
-    Picker: TypeAlias = Callable[[Sequence[bytes]], Sequence[bytes]]
+    from dh2urdf_plugins.formats.urdf.forms import Attribute
 
 # XML 1.0: prolog (22), XML declaration (23), comment (15), in which no `--` is, start tag (40).
 _HEAD = re.compile(
@@ -51,9 +48,10 @@ _LINE_ENDS_AND_TABS = b"\t\r\n"
 _ROOT, _END, _JOINT = b'<robot name="a"', b"</robot>", b"<joint "
 _MOST = 2**25
 """Files of so many bytes in all are remembered from call to call."""
-_OF_JOINED = 1000
+_OF_ALIKE = 1000
 """Bytes that are counted for each combination of parts."""
-_IN_NUMBERS = b"0123456789.eE+-"
+_FILES_AT_ONCE = 32
+"""Files whose numbers are read in one call: their texts stay in the processor's cache."""
 
 # The attributes of the URDF specification (wiki.ros.org/urdf/XML) that are numbers; the joints' first.
 _OF_JOINTS: tuple[Attribute, ...] = (
@@ -69,53 +67,6 @@ _NUMBERS = {
 }
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Joints:
-    """The joints of parts of files, or of files, that differ in numbers only.
-
-    Attributes:
-        robot: those of one of them, with the names of its links.
-        places: for each joint, where among the numbers of joints those of its attributes begin.
-        count: how many numbers of joints there are.
-    """
-
-    robot: Robot
-    places: tuple[dict[Attribute, int], ...]
-    count: int
-
-    @property
-    def kind(self) -> object:
-        """The same for joints that differ in numbers only."""
-        joints = zip(self.robot.joints, self.places, strict=True)
-        forms = [(joint.name, joint.type, joint.parent, joint.child, *where.items()) for joint, where in joints]
-        return (*[link.name for link in self.robot.links], *forms)
-
-    def with_numbers(self, name: str, rows: Any) -> Robot:  # noqa: ANN401 - an array
-        """The joints with the numbers of many files, a row for each: a float where all rows have the same number."""
-        table = rows.T.copy()
-        alike = (table == table[:, :1]).all(axis=1)
-        numbers = [float(column[0]) if same else column for column, same in zip(table, alike, strict=True)]
-        joints = zip(self.robot.joints, self.places, strict=True)
-        return replace(self.robot, name=name, joints=tuple([_with_numbers(*each, numbers) for each in joints]))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """Parts of files, or files, that are the same bytes but for the numbers in them.
-
-    Attributes:
-        joints: their joints.
-        of_joints: the places of the numbers of joints among the values of attributes.
-        others: the places of the other numbers.
-        values: how many values there are.
-    """
-
-    joints: Joints
-    of_joints: tuple[int, ...]
-    others: tuple[int, ...]
-    values: int
-
-
 class _Layout:
     """Which values of texts with the same markup are words and which are numbers.
 
@@ -124,14 +75,14 @@ class _Layout:
     """
 
     def __init__(self, part: Part) -> None:
-        self._words = _picker(sorted({*range(part.values)}.difference(part.of_joints, part.others)))
-        self._of_joints, self._others = _picker(part.of_joints), _picker(part.others)
+        self._words = picker(sorted({*range(part.values)}.difference(part.of_joints, part.others)))
+        self._of_joints, self._others = picker(part.of_joints), picker(part.others)
         self.known: dict[tuple[object, ...], Part] = {}
 
     def key(self, values: Sequence[bytes]) -> tuple[tuple[object, ...], bytes, bytes]:
         """The key of a text in `known`, the numbers of its joints and the others, with commas between them."""
         of_joints, others = b",".join(self._of_joints(values)), b",".join(self._others(values))
-        key = self._words(values), of_joints.translate(None, _IN_NUMBERS), others.translate(None, _IN_NUMBERS)
+        key = self._words(values), of_joints.translate(None, IN_NUMBERS), others.translate(None, IN_NUMBERS)
         return key, of_joints, others
 
 
@@ -192,7 +143,7 @@ class _Place:
             return None  # A quote is not around an attribute, or a value holds an entity.
         attributes = [(element, name) for element, name, _ in items[len(items) - len(values) :]]
         numbers = [place for place, (element, name) in enumerate(attributes) if (str(element.tag), name) in _NUMBERS]
-        if any(b"," in values[place] or _numbers_in(values[place]) is None for place in numbers):
+        if any(b"," in values[place] or numbers_in(values[place]) is None for place in numbers):
             return None  # What is not written so has spaces that may mean something else.
         of_joints = [place for place in numbers if _is_of_joint(attributes[place][0])]
         counts = [len(values[place].split(b" ")) for place in of_joints]
@@ -221,20 +172,56 @@ class _Scanner:
     shape less than in the next one. So a file is cut before each of its joints, and each part is read once by the slow
     reader: after the first part of the file, where materials are defined. If that is the URDF of a robot, and the first
     part by itself is as well, then the part begins and ends inside the root and outside all other elements, so that it
-    is well-formed after whatever other parts.
+    is well-formed after whatever other parts. Where a quarter of the files have the same parts, their form is learned.
     """
 
     def __init__(self) -> None:
         self._kinds: dict[object, Joints] = {}
         self._whole, self._first = _Place(self._kinds), _Place(self._kinds, after=_END)
         self._others: dict[tuple[bytes, Part], tuple[_Place, _Place]] = {}  # by margin and first part: those, the last
-        self._joined: dict[tuple[Part, ...], Joints] = {}
+        self._joined: dict[tuple[Joints, ...], Joints] = {}
+        self._alike: dict[tuple[Part, ...], Alike] = {}
+        self._count = 0
+        self._forms: list[Form] = []  # the last one first: often the next file has it too
 
     @property
     def size(self) -> int:
         """Bytes of the parts and files that are remembered."""
         places = (self._whole, self._first, *chain(*self._others.values()))
-        return sum([place.size for place in places]) + _OF_JOINED * len(self._joined)
+        return sum([place.size for place in places]) + _OF_ALIKE * len(self._alike)
+
+    def scan(self, heads: Mapping[int, re.Match[bytes]]) -> Iterator[tuple[Joints, list[int], Any]]:
+        """The joints of files and a table of their numbers, by the places of the files.
+
+        Args:
+            heads: what is before and in the name of each file's robot.
+        """
+        formed: dict[Form, tuple[list[int], list[bytes]]] = {}
+        rest = []
+        for place, head in heads.items():
+            if found := self._form(head.string, head.end()):
+                places, texts = formed.setdefault(found[0], ([], []))
+                places.append(place)
+                texts.append(found[1])
+            else:
+                rest.append(place)
+        for form, (places, texts) in formed.items():
+            if (table := form.rows(texts)) is not None:
+                yield form.part.joints, places, table
+            else:
+                rest += places
+        for place in rest:
+            if alone := self.read(heads[place].string[heads[place].end() :]):
+                yield alone[0], [place], array_of(alone[1]).reshape(1, -1)
+
+    def _form(self, content: bytes, start: int) -> tuple[Form, bytes] | None:
+        """The form of a file and the numbers that vary in it; None where it has none."""
+        for place, form in enumerate(self._forms):
+            if (numbers := form.varying(content, start)) is not None:
+                if place:
+                    self._forms.insert(0, self._forms.pop(place))
+                return form, numbers
+        return None
 
     def read(self, text: bytes) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers, of what is after its name; None where it is for the slow reader."""
@@ -245,13 +232,16 @@ class _Scanner:
         if cut is None:
             return None
         parts, of_joints, others = zip(*cut, strict=True)
-        numbers = _numbers_in(b",".join(filter(None, (*of_joints, *others))))
+        numbers = numbers_in(b",".join(filter(None, (*of_joints, *others))))
         if numbers is None:
             return None
-        joints = self._joined.get(parts)
-        if joints is None:
-            joints = self._joined[parts] = self._together([part.joints for part in parts])
-        return joints, numbers[: joints.count]
+        self._count += 1
+        alike = self._alike.get(parts)
+        if alike is None:
+            alike = self._alike[parts] = Alike(self._joints_of(parts), parts)
+        if form := alike.see(text, self._count):
+            self._forms = [form, *[each for each in self._forms if each.part is not form.part][: FORMS - 1]]
+        return alike.joints, numbers[: alike.joints.count]
 
     def _cut(self, text: bytes) -> list[tuple[Part, bytes, bytes]] | None:
         """The parts of a file; None where it cannot be cut into parts that stand by themselves."""
@@ -274,21 +264,25 @@ class _Scanner:
             found.append(read)
         return found
 
-    def _together(self, joints: Sequence[Joints]) -> Joints:
+    def _joints_of(self, parts: tuple[Part, ...]) -> Joints:
         """The joints of files of some parts; the same ones for files whose joints differ in numbers only."""
-        starts = accumulate([each.count for each in joints], initial=0)
-        robot = Robot(
-            name="",
-            links=tuple([link for each in joints for link in each.robot.links]),
-            joints=tuple([joint for each in joints for joint in each.robot.joints]),
-        )
-        places = [
-            {attribute: start + place for attribute, place in where.items()}
-            for start, each in zip(starts, joints, strict=False)
-            for where in each.places
-        ]
-        made = Joints(robot, tuple(places), sum([each.count for each in joints]))
-        return self._kinds.setdefault(made.kind, made)
+        alone = tuple([part.joints for part in parts])
+        found = self._joined.get(alone)
+        if found is None:
+            starts = accumulate([each.count for each in alone], initial=0)
+            robot = Robot(
+                name="",
+                links=tuple([link for each in alone for link in each.robot.links]),
+                joints=tuple([joint for each in alone for joint in each.robot.joints]),
+            )
+            places = [
+                {attribute: start + place for attribute, place in where.items()}
+                for start, each in zip(starts, alone, strict=False)
+                for where in each.places
+            ]
+            made = Joints(robot, tuple(places), sum([each.count for each in alone]))
+            found = self._joined[alone] = self._kinds.setdefault(made.kind, made)
+        return found
 
 
 _scanner = _Scanner()
@@ -311,19 +305,22 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     global _scanner  # noqa: PLW0603 - what was learned is remembered from call to call
     if _scanner.size > _MOST:
         _scanner = _Scanner()
-    groups: dict[Joints, tuple[list[int], list[list[float]]]] = {}
-    for place, content in enumerate(contents):
-        head = _HEAD.match(content)
-        if head and _is_printable(head[0]) and (found := _scanner.read(content[head.end() :])):
-            places, rows = groups.setdefault(found[0], ([], []))
-            places.append(place)
-            rows.append(found[1])
+    found = ((place, _HEAD.match(content)) for place, content in enumerate(contents))
+    heads = [(place, head) for place, head in found if head and _is_printable(head[0])]
+    groups: dict[Joints, tuple[list[int], list[Any]]] = {}
+    for start in range(0, len(heads), _FILES_AT_ONCE):
+        for joints, some, table in _scanner.scan(dict(heads[start : start + _FILES_AT_ONCE])):
+            places, tables = groups.setdefault(joints, ([], []))
+            places += some
+            tables.append(table)
+    names = dict(heads)
     read = []
-    for joints, (places, rows) in groups.items():
-        first = _HEAD.match(contents[places[0]])
-        name = first[1].decode() if first else ""
-        read.append((places, joints.with_numbers(name, np.array(rows).reshape(len(rows), -1))))
-    return read
+    for joints, (places, tables) in groups.items():
+        order = np.argsort(places)
+        ordered = [places[index] for index in order]
+        name = names[ordered[0]][1].decode()
+        read.append((ordered, joints.with_numbers(name, np.concatenate(tables)[order])))
+    return sorted(read, key=lambda group: group[0][0])
 
 
 def _is_printable(head: bytes) -> bool:
@@ -348,38 +345,3 @@ def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]
         if element is not None and (element, name) in starts and not (tag == "axis" and joint.get("type") == "fixed"):
             found[tag, name] = starts[element, name]
     return found
-
-
-def _numbers_in(text: bytes) -> list[float] | None:
-    """The numbers of a text, with a space or a comma between them; None where JSON does not write them so."""
-    try:
-        numbers: list[float] = orjson.loads(b"[%b]" % text.replace(b" ", b","))
-    except orjson.JSONDecodeError:
-        return None
-    return numbers or None
-
-
-def _picker(places: Sequence[int]) -> Picker:
-    """What picks the values at some places."""
-    return itemgetter(*places) if len(places) > 1 else lambda values: tuple([values[place] for place in places])
-
-
-def _with_numbers(joint: Joint, places: dict[Attribute, int], numbers: Sequence[Any]) -> Joint:
-    """A joint with other numbers in the place of those that its file has."""
-
-    def number(tag: str, name: str) -> Any:  # noqa: ANN401 - a float or an array
-        place = places.get((tag, name))
-        return None if place is None else numbers[place]
-
-    def vector(tag: str, name: str, default: Any) -> Any:  # noqa: ANN401 - three floats or arrays
-        place = places.get((tag, name))
-        return default if place is None else tuple(numbers[place : place + 3])
-
-    return replace(
-        joint,
-        origin=Origin(xyz=vector("origin", "xyz", ZERO), rpy=vector("origin", "rpy", ZERO)),
-        axis=vector("axis", "xyz", joint.axis),
-        limits=Limits(**{name: number("limit", name) for name in ("lower", "upper", "velocity", "effort")}),
-        damping=number("dynamics", "damping"),
-        friction=number("dynamics", "friction"),
-    )

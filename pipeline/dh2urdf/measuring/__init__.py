@@ -356,11 +356,7 @@ def _plain(joint: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _transform(matrix: Any, link: str) -> RigidTransform:  # noqa: ANN401 - an array, or lists
-    """A pose as a rigid transform.
-
-    Raises:
-        ValueError: it is no matrix of four rows of four numbers.
-    """
+    """A pose as a rigid transform."""
     if isinstance(matrix, RigidTransform):
         return matrix
     rows = [[float(number) for number in row] for row in matrix]

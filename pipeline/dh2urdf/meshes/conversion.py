@@ -117,13 +117,7 @@ def _material(rgba: tuple[float, float, float, float]) -> Material:
 def _converted_file(
     file: MeshFile, scale: Vec3, how: MeshConversion
 ) -> tuple[tuple[tuple[tuple[float, float, float, float] | None, MeshFile], ...], tuple[MeshFile, ...]]:
-    """A file as files to be seen, with their colours, and files that touch.
-
-    Raises:
-        EmitterError: it cannot be converted.
-        CrashError: a library crashed on it, or did not finish in time.
-        MissingDependencyError: a package that converts is not installed.
-    """
+    """A file as files to be seen, with their colours, and files that touch."""
     from dh2urdf.isolation.child_process import run_in_child
     from dh2urdf.isolation.encodings import Data
     from dh2urdf.meshes.forms import Forms, behind_fence

@@ -99,11 +99,7 @@ def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> F
 
 
 def _written(parts: Sequence[Part]) -> bytes:
-    """Parts as an OBJ file, which has been read again.
-
-    Raises:
-        ValueError: what is read is another surface.
-    """
+    """Parts as an OBJ file, which has been read again."""
     import numpy as np
 
     text = "".join(_lines(parts)).encode()
@@ -137,11 +133,7 @@ def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array
 
 
 def _convex(points: Any) -> Part:  # noqa: ANN401 - an array
-    """The convex hull of points.
-
-    Raises:
-        ValueError: they lie in a plane.
-    """
+    """The convex hull of points."""
     import numpy as np
     import trimesh
     from scipy.spatial import QhullError
@@ -160,9 +152,6 @@ def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
 
     The parts are those of X. Wei, M. Liu, Z. Ling and H. Su, "Approximate Convex Decomposition for 3D Meshes with
     Collision-Aware Concavity and Tree Search", ACM Transactions on Graphics 41 (2022), by its authors' library.
-
-    Raises:
-        ValueError: they stand off from the mesh by more than `COVER`.
     """
     import coacd
     import numpy as np

@@ -141,11 +141,7 @@ def asset_of(content: bytes, suffix: str) -> Asset:
 
 
 def _elements(content: bytes) -> Any:  # noqa: ANN401 - an element of lxml
-    """The outermost element of a COLLADA file.
-
-    Raises:
-        ValueError: it is no XML, or XML that is refused.
-    """
+    """The outermost element of a COLLADA file."""
     from dh2urdf.documents.xml_elements import xml_root
 
     try:

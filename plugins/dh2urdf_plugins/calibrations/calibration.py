@@ -154,11 +154,7 @@ def read_ur_conf(path: Path, convention: Convention) -> Calibration:
 
 
 def _entries(text: str, file: str) -> dict[str, tuple[str, Mark]]:
-    """The keys of the file with their values; sections and comments are left out.
-
-    Raises:
-        TableError: a line has no value, or a list is there twice.
-    """
+    """The keys of the file with their values; sections and comments are left out."""
     entries: dict[str, tuple[str, Mark]] = {}
     for number, line in enumerate(text.splitlines(), start=1):
         content, mark = line.partition("#")[0].strip(), Mark(file=file, line=number)
@@ -248,11 +244,7 @@ class CalibrationFile:
         )
 
     def _reader(self) -> tuple[Reader[Any], Traces]:
-        """The reader of tables by the file's suffix, and what reports the places of its cells.
-
-        Raises:
-            TableError: there is none.
-        """
+        """The reader of tables by the file's suffix, and what reports the places of its cells."""
         catalog = load()
         with suppress(InputError):
             reader = catalog.reader_for(self.path)

@@ -269,11 +269,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 def _do(function: Callable[[Any], Any], ours: dict[str, str], task: Any) -> Any:  # noqa: ANN401 - the caller's
-    """Do a task, in a worker; one that came late has been asked for its versions by nobody yet.
-
-    Raises:
-        ExecutorError: the worker has other versions than the run.
-    """
+    """Do a task, in a worker; one that came late has been asked for its versions by nobody yet."""
     theirs = _versions(tuple(ours))
     if ours != theirs:
         from distributed import get_worker

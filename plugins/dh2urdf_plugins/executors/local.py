@@ -126,11 +126,7 @@ class _Pool:
         return Lost(reason=reason)
 
     def _started(self) -> Child:
-        """Start a worker that has the function of the run.
-
-        Raises:
-            ExecutorError: no worker process can be started, or none can import the function.
-        """
+        """Start a worker that has the function of the run."""
         from concurrent.futures import CancelledError
 
         from dh2urdf.isolation import PICKLED, Child

@@ -279,11 +279,7 @@ class Arm(measures.Model):
     # The import
 
     def _import(self, *, same_machine: bool) -> None:
-        """Import the file by its path where CoppeliaSim can see it, else as a text.
-
-        Raises:
-            LoaderError: CoppeliaSim cannot import the file.
-        """
+        """Import the file by its path where CoppeliaSim can see it, else as a text."""
         path = self.request.path
         text = self._text(path)
         importer = self.ask(self.connection.client.require, "simURDF")
@@ -499,11 +495,7 @@ class Arm(measures.Model):
             yield q
 
     def _stop(self) -> None:
-        """Stop the simulation, which puts everything back where it was.
-
-        Raises:
-            LoaderError: it does not stop.
-        """
+        """Stop the simulation, which puts everything back where it was."""
         self.ask(self.sim.stopSimulation)
         deadline = time.monotonic() + _STOPS_WITHIN
         while self.ask(self.sim.getSimulationState) != self.sim.simulation_stopped:

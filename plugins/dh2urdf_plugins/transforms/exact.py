@@ -186,9 +186,6 @@ def _arm_visuals(row: DHRow, frame: LinkFrame, style: Style, tube: Style, *, is_
         style: how it is drawn.
         tube: how its tubes are drawn.
         is_first: whether the base carries it: its housing stands on the base, and not through it.
-
-    Raises:
-        DividedError: some of many robots are drawn otherwise.
     """
     prismatic = row.type is JointType.PRISMATIC
     seen = visuals([frame.normal] if prismatic else [frame.offset, frame.normal], tube)
@@ -297,11 +294,7 @@ def exact_columns(columns: ManipulatorColumns, options: AlphaSwapOptions) -> lis
 
 
 def _robots(columns: ManipulatorColumns, options: AlphaSwapOptions) -> RobotColumns:
-    """The robots of tables that are all drawn alike.
-
-    Raises:
-        DividedError: they are not.
-    """
+    """The robots of tables that are all drawn alike."""
     from dh2urdf.columns import RobotColumns
     from dh2urdf.robot_check import sure_columns
 

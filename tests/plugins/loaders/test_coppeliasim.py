@@ -137,13 +137,8 @@ def test_what_the_importer_misreads_names_the_profile(
     text, robot = planar_urdf.replace(written, instead, 1), planar.robot
     if joint == "shoulder":  # The same axis, by a frame in which it is -z.
         text = text.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 0 -1"/>', 1)
-        turned = tuple(
-            replace(each, origin=replace(each.origin, rpy=(math.pi / 2, 0.0, 0.0)), axis=(0.0, 0.0, -1.0))
-            if each.name == joint
-            else each
-            for each in robot.joints
-        )
-        robot = replace(robot, joints=turned)
+        place = replace(robot.moving_joints[0].origin, rpy=(math.pi / 2, 0.0, 0.0))
+        robot = planar.with_joint(joint, origin=place, axis=(0.0, 0.0, -1.0))
     message = str(refusal(peer, request_for(text, robot)))
     assert f"misreads the joint '{joint}': write the URDF with the profile coppeliasim" in message
 
@@ -155,13 +150,9 @@ def test_names_are_those_of_the_table(peer: Any, request_for: Any, planar: Any, 
     for name, other in names.items():
         text = text.replace(f'"{name}"', f'"{other}"')
     links = tuple(replace(each, name=names.get(each.name, each.name)) for each in planar.robot.links)
+    parts = ("name", "parent", "child")
     joints = tuple(
-        replace(
-            each,
-            name=names.get(each.name, each.name),
-            parent=names.get(each.parent, each.parent),
-            child=names.get(each.child, each.child),
-        )
+        replace(each, **{part: names.get(getattr(each, part), getattr(each, part)) for part in parts})
         for each in planar.robot.joints
     )
     report = run(peer, request_for(text, replace(planar.robot, links=links, joints=joints)))

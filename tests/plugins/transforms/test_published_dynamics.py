@@ -19,7 +19,7 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics.mass import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
-from dh2urdf_plugins.readers import csv, yaml as yaml_reader
+from dh2urdf_plugins.readers import csv
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -114,22 +114,15 @@ def as_csv(arm: dict[str, Any], payload: dict[str, Any] | None) -> str:
     return "\n".join([*lines, ""])
 
 
-def as_yaml(arm: dict[str, Any], payload: dict[str, Any] | None) -> str:
-    """Centres of mass as lists, inertias as mappings."""
-    joints = [{**row, "inertia": dict(zip(ELEMENTS, row["inertia"], strict=True))} for row in arm["rows"]]
-    table = {"convention": arm["convention"], "tool": {"xyz": arm.get("tool", [0, 0, 0])}, "joints": joints}
-    return yaml.safe_dump(table) + (f"payload: {_payload(payload)}\n" if payload else "")
-
-
 def _payload(payload: dict[str, Any]) -> str:
     inertia = ", ".join(f"{name}: {value}" for name, value in zip(ELEMENTS, payload["inertia"], strict=True))
     return f"{{mass: {payload['mass']}, com: {payload['com']}, inertia: {{{inertia}}}}}"
 
 
-def read(text: str, folder: Path, suffix: str) -> Manipulator:
-    path = folder / f"arm{suffix}"
+def read(text: str, folder: Path) -> Manipulator:
+    path = folder / "arm.csv"
     path.write_text(text, encoding="utf-8")
-    (arm,) = (csv if suffix == ".csv" else yaml_reader).READER.read(path, TableOptions())
+    (arm,) = csv.READER.read(path, TableOptions())
     assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
     return arm
 
@@ -154,16 +147,14 @@ def possible(arm: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.parametrize("payload", [None, HAND], ids=["alone", "with payload"])
 @pytest.mark.parametrize("frames", ["aligned", "dh"])
-@pytest.mark.parametrize("form", [".csv", ".yaml"])
 @pytest.mark.parametrize("name", ARMS)
 def test_the_robot_moves_as_the_published_numbers_say(
-    name: str, form: str, frames: str, payload: dict[str, Any] | None, tmp_path: Path
+    name: str, frames: str, payload: dict[str, Any] | None, tmp_path: Path
 ) -> None:
     """Mass matrix and gravity torques at 20 joint vectors; and no mass that moves beside the published ones."""
     pinocchio = pytest.importorskip("pinocchio")
     arm = possible(ARMS[name])
-    text = as_csv(arm, payload) if form == ".csv" else as_yaml(arm, payload)
-    robot = robot_of(read(text, tmp_path, form), frames=frames)
+    robot = robot_of(read(as_csv(arm, payload), tmp_path), frames=frames)
     masses = [row["mass"] for row in arm["rows"]] + ([payload["mass"]] if payload else [])
     (base,) = (link.inertial for link in robot.links if link.name == "base_link_inertia")
     assert base is not None
@@ -185,7 +176,7 @@ def test_the_robot_moves_as_the_published_numbers_say(
 
 def test_an_inertia_that_no_body_has_is_refused(tmp_path: Path) -> None:
     """Two of those identified for the LBR iiwa 14: the message names both, their principal moments, and the option."""
-    arm = read(as_csv(ARMS["iiwa14"], None), tmp_path, ".csv")
+    arm = read(as_csv(ARMS["iiwa14"], None), tmp_path)
     with pytest.raises(TransformError) as caught:
         robot_of(arm)
     problems = caught.value.problems
@@ -233,7 +224,7 @@ class TestInertias:
         """MuJoCo and PyBullet have the moments that were written; as published, neither takes them."""
         mujoco, bullet = pytest.importorskip("mujoco"), pytest.importorskip("pybullet")
         text = "# convention: standard\na,alpha,d,mass,ixx,iyy,izz,ixy,ixz,iyz\n"
-        arm = read(text + f"0.3,0.4,0.1,2,{','.join(map(str, elements))}\n", tmp_path, ".csv")
+        arm = read(text + f"0.3,0.4,0.1,2,{','.join(map(str, elements))}\n", tmp_path)
         robot = robot_of(arm, inertias=how)
         (notice,) = (notice for notice in robot.notices if notice.field == "inertia")
         assert (notice.joint, notice.mark and notice.mark.line) == ("joint_1", 3)
@@ -269,7 +260,7 @@ class TestFloor:
         """A UR20 whose last link has diag(0, 0, 0.0002)."""
         table = ARMS["ur20"]
         last = table["rows"][-1] | {"inertia": [0, 0, 0.0002, 0, 0, 0]}
-        return read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path, ".csv")
+        return read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path)
 
     def test_a_floor_makes_them_those_of_a_body(self, arm: Manipulator) -> None:
         """The least that the triangle inequality asks for, and a notice with both."""

@@ -410,7 +410,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 790,
     "pipeline/dh2urdf/testing": 1650,
     "pipeline/dh2urdf/variations": 1110,
-    "plugins/dh2urdf_check": 4970,
+    "plugins/dh2urdf_check": 4940,
     "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 260,
     "plugins/dh2urdf_plugins/collision_pairs": 490,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -17,7 +16,6 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import Finding, Inspection
 from dh2urdf_check.addresses import is_found_by_pybullet
 from dh2urdf_check.finders import Document, text_of
-from dh2urdf_check.numbers import mujoco_numbers
 from dh2urdf_check.rules import Rule, rules_of, unread_include
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf
 from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
@@ -157,18 +155,9 @@ def _of_mjcf(root: etree._Element, path: Path) -> dict[str, Callable[..., Any]]:
         free = len(root.findall("worldbody//freejoint"))
         return float(7 * free + sum(_POSITIONS.get(joint.get("type", "hinge"), 1) for joint in joints))
 
-    def odd(context: Any) -> bool:  # noqa: ANN401 - what XPath has
-        """Whether a number among the attributes of an element is not finite."""
-        texts = [
-            value for name, value in context.context_node.attrib.items() if name in {"pos", "quat", "axis", "size"}
-        ]
-        read = [mujoco_numbers(text, len(text.split())) for text in texts]
-        return any(not all(map(math.isfinite, numbers)) for numbers in read if numbers)
-
     stems = {Path(mesh.get("file") or "").stem for mesh in root.iterfind("asset/mesh") if not mesh.get("name")}
     return {
         "asset": asset,
         "positions": positions,
-        "odd": odd,
         "names-a-file": lambda _, name: text_of(name) in stems,
     }

@@ -5,7 +5,7 @@ They are in the folder ``rules`` beside this module, a file a group; the pages i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from dh2urdf.source import shown
 from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence  # noqa: TC004 - no annotation is evaluated
 
     from lxml import etree
 
@@ -95,27 +95,6 @@ class Case:
     of: frozenset[str]
 
 
-@dataclass(frozen=True, slots=True)
-class Proof:
-    """How a sound file is made one that breaks a rule.
-
-    Attributes:
-        old: the text of the sound file that is replaced.
-        new: what takes its place.
-        at: a text of the line where the fault is found.
-        nth: which occurrence of that text is meant.
-        besides: other rules that are broken with it.
-        of: the consumers that it matters to, where that is not all of the rule.
-    """
-
-    old: str
-    new: str
-    at: str
-    nth: int = 1
-    besides: tuple[str, ...] = ()
-    of: tuple[str, ...] = ()
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
     """One rule.
@@ -128,7 +107,7 @@ class Rule:
         effects: the same as findings say it.
         where: by consumer, the XPath of the elements that it minds; empty where it minds all.
         cases: how it is found; none of a rule that a function finds.
-        proof: a sound file and a substitution that breaks the rule; None where the tests have it.
+        proof: a substitution in a sound file that breaks the rule, for its test; empty where the tests have it.
     """
 
     name: str
@@ -138,7 +117,7 @@ class Rule:
     effects: tuple[Effect, ...]
     where: dict[str, str]
     cases: tuple[Case, ...] = ()
-    proof: Proof | None = None
+    proof: Mapping[str, Any] = field(default_factory=dict)
 
     def finding(self, message: str, of: Collection[str], mark: Mark, calls: tuple[Mark, ...] = ()) -> Finding:
         """A finding of this rule, which matters to some consumers."""
@@ -195,7 +174,7 @@ def _rule(
         effects=effects,
         where={consumer: "".join(words[2:]) for consumer, words in consumers.items()},
         cases=tuple(_case(**each) for each in (*cases, *([case] if case else []))),
-        proof=Proof(**proof) if proof else None,
+        proof=proof or {},
     )
 
 

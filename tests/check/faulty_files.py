@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import struct
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf_check.models import model_rules
-from dh2urdf_check.rules import Proof, rules
+from dh2urdf_check.rules import rules
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
 SOUND = """<?xml version="1.0" encoding="utf-8"?>
@@ -199,6 +200,26 @@ SOUND_OF = {"urdf": SOUND, "sdf": SDF, "mjcf": MJCF}
 SUFFIXES = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
 
 
+class Proof(NamedTuple):
+    """How a sound file is made one that breaks a rule.
+
+    Attributes:
+        old: the text of the sound file that is replaced.
+        new: what takes its place.
+        at: a text of the line where the fault is found.
+        nth: which occurrence of that text is meant.
+        besides: other rules that are broken with it.
+        of: the consumers that it matters to, where that is not all of the rule.
+    """
+
+    old: str
+    new: str
+    at: str
+    nth: int = 1
+    besides: Sequence[str] = ()
+    of: Sequence[str] = ()
+
+
 def many_joints(count: int = 140) -> str:
     """Links in a row, each turning on the one before."""
     names = ["link_2", *(f"further_{number}" for number in range(count))]
@@ -212,7 +233,7 @@ def many_joints(count: int = 140) -> str:
 
 LONG_NAME = "n" * 1200
 PROOFS: dict[str, Proof] = {
-    **{rule.name: rule.proof for rule in rules().values() if rule.proof},
+    **{rule.name: Proof(**rule.proof) for rule in rules().values() if rule.proof},
     # What no YAML can have, or nobody would read in it.
     "wrong-encoding": Proof(
         '<robot name="arm">', '<robot name="arm" author="Jos\udce9">', "<robot", 1, ("not-strict-xml",)
@@ -222,7 +243,9 @@ PROOFS: dict[str, Proof] = {
     "too-many-joints": Proof(END, many_joints() + END, '<joint name="j_further_119"'),
 }
 """By rule of URDF, the substitution that breaks it."""
-MODEL_PROOFS = {rule.name: rule.proof for name in ("sdf", "mjcf") for rule in model_rules(name).values() if rule.proof}
+MODEL_PROOFS = {
+    rule.name: Proof(**rule.proof) for name in ("sdf", "mjcf") for rule in model_rules(name).values() if rule.proof
+}
 
 
 def faulty(sound: str, proof: Proof) -> str:

@@ -1,7 +1,10 @@
-"""What the findings about a file foretell, beside what a consumer does with it."""
+"""What the findings about a file foretell, beside what a consumer does with it, and published descriptions to ask of."""
 
 from __future__ import annotations
 
+import importlib.metadata
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from consumers import behaviours
@@ -10,9 +13,9 @@ from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.rules import Outcome, rules
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from consumers import Behaviour
+
+    from dh2urdf.stages import Finding
 
 FATAL = {Outcome.REFUSES, Outcome.CRASHES}
 
@@ -35,3 +38,17 @@ def unforeseen(consumer: str, paths: list[Path]) -> tuple[list[str], list[Behavi
         if bool(fatal) != (behaviour.end != "loads"):
             wrong.append(f"{path.name} {behaviour.end}: {fatal} {behaviour.extra.get('raised')}")
     return wrong, found
+
+
+def descriptions() -> list[Path]:
+    """All of them; none where the package is not installed."""
+    try:
+        files = importlib.metadata.files("example-robot-data") or ()
+    except importlib.metadata.PackageNotFoundError:
+        return []
+    return sorted(Path(str(file.locate())).resolve() for file in files if file.suffix == ".urdf")
+
+
+@cache
+def findings_of(path: Path) -> tuple[Finding, ...]:
+    return inspect_urdf(path).findings

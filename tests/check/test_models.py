@@ -32,23 +32,6 @@ def inspected(path: Path) -> Inspection:
     return inspect_sdf(path) if path.suffix == ".sdf" else inspect_mjcf(path)
 
 
-def test_every_rule_has_a_file_that_breaks_it() -> None:
-    """None is untried."""
-    assert {*model_rules("sdf"), *model_rules("mjcf")} == set(PROOFS)
-
-
-def test_the_tables_are_in_order() -> None:
-    """Names are in kebab-case and begin with the format; phrases have no full stop."""
-    for name in CONSUMERS:
-        for rule in model_rules(name).values():
-            assert re.fullmatch(rf"{name}(-[a-z]+)+", rule.name)
-            assert rule.effects
-            assert set(rule.outcomes) <= set(CONSUMERS[name])
-            for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
-                assert text == text.strip()
-                assert not text.endswith(".")
-
-
 @pytest.mark.parametrize("name", ["sdf", "mjcf"])
 def test_a_sound_model_has_no_finding(files: dict[str, Path], name: str) -> None:
     """And is an arm, which can be compared with a table."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -15,7 +14,7 @@ import yaml
 from dh2urdf.errors import InputError
 from dh2urdf.stages import Expansion
 from dh2urdf_check.packages.inspection import inspect_package
-from dh2urdf_check.packages.package import CONSUMERS, package_rules
+from dh2urdf_check.packages.package import package_rules
 from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:
@@ -161,17 +160,6 @@ def test_a_folder_that_is_not_installed_is_found(source: Path) -> None:
     assert (finding.rule, "rviz/view_robot.rviz" in finding.message) == ("package-not-installed", True)
     path.write_text(path.read_text().replace("DIRECTORY config", "DIRECTORY ${FOLDERS} config"))
     assert findings(source, DESCRIPTION) == ()
-
-
-def test_every_rule_is_broken_by_a_test() -> None:
-    """Names are in kebab-case and begin alike; texts have no full stop."""
-    tried = {fault.rule for fault in FAULTS} | {"package-missing-limits", "package-not-installed"}
-    assert set(package_rules()) == tried
-    for rule in package_rules().values():
-        assert re.fullmatch(r"package(-[a-z]+)+", rule.name)
-        assert rule.effects
-        assert set(rule.outcomes) <= set(CONSUMERS)
-        assert not any(text.endswith(".") for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)))
 
 
 @pytest.mark.parametrize("fault", [fault for fault in FAULTS if fault.file == XML], ids=lambda fault: fault.new)

@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from faulty_files import MODEL_PROOFS, PROOFS
+from lxml import etree
+from test_packages import FAULTS
 
 from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_check.ask.findings import seen_rules
@@ -33,6 +36,29 @@ PAGES: dict[str, tuple[dict[str, Rule], Mapping[str, str]]] = {
     **{name: (model_rules(name), MODEL_CONSUMERS[name]) for name in MODEL_CONSUMERS},
     "packages": (package_rules(), PACKAGE_CONSUMERS),
 }
+
+
+UNPROVED = {"root-without-inertial", "named-colour", "xacro-fails", "free-root", "empty-root", "usd-name"}
+"""Rules that the sound file has, or that no URDF can break."""
+ELSEWHERE = {"package-missing-limits", "package-not-installed"}
+"""Rules that tests of their own break."""
+
+
+@pytest.mark.parametrize("group", PAGES)
+def test_a_table_is_in_order(group: str) -> None:
+    """Names are in kebab-case; phrases have no full stop; consumers are known; every rule is broken by a file."""
+    rules, consumers = PAGES[group]
+    proofs = {**PROOFS, **MODEL_PROOFS}.keys() | {fault.rule for fault in FAULTS} | UNPROVED | ELSEWHERE
+    assert rules.keys() <= proofs
+    for rule in rules.values():
+        assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
+        assert rule.effects
+        assert set(rule.outcomes) <= set(consumers)
+        for path in filter(None, (*(case.at for case in rule.cases), *rule.where.values())):
+            etree.XPath(path)
+        for text in (rule.fault, rule.fix, *(effect.text for effect in rule.effects)):
+            assert text == text.strip()
+            assert not text.endswith(".")
 
 
 def head(consumers: Iterable[str]) -> Iterator[str]:

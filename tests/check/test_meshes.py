@@ -1,24 +1,94 @@
-"""Sides of mesh files, what is said of the headers of COLLADA files, and files that are no meshes."""
+"""Mesh files: those without a mesh, their sides, and the headers of COLLADA files."""
 
 from __future__ import annotations
 
 import re
 import struct
+from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours, require
-from faulty_files import BOX, SOUND, collada, write_meshes
+from faulty_files import BOX, CYLINDER, SOUND, collada, write_meshes
+from foretelling import effects_of, unforeseen
 
 from dh2urdf_check import meshes
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.meshes import read_meshes
+from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from dh2urdf.rotations import Vec3
+
+
+def stl(*corners: tuple[float, float, float]) -> bytes:
+    """An STL of the triangles between each corner, the next and the first."""
+    triangles = [(corners[0], second, third) for second, third in pairwise(corners[1:])]
+    packed = [struct.pack("<12fH", 0, 0, 0, *one, *two, *three, 0) for one, two, three in triangles]
+    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(packed)
+
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + 64 * b"0" + b"\nsize 12345\n"
+WHOLE = stl((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1), (0.1, 0.0, 0.0))
+TETRAHEDRON = b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+MESHES = {
+    "whole.stl": WHOLE,
+    "empty.stl": b"",
+    "pointer.stl": POINTER,
+    "cut.stl": WHOLE[:-60],
+    "flat.stl": stl((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, 0.1, 0.0)),
+    "whole.obj": TETRAHEDRON,
+    "empty.obj": b"",
+    "pointer.obj": POINTER,
+    "flat.obj": b"v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3\nf 1 3 4\n",
+    "whole.dae": collada().encode(),
+    "empty.dae": b"",
+    "cut.dae": collada()[:500].encode(),
+}
+"""Mesh files, of which the whole ones are right."""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "ros", "gazebo"])
+@pytest.mark.parametrize("instead_of", [BOX, CYLINDER], ids=["visual", "collision"])
+def test_a_file_without_a_mesh_is_found(tmp_path: Path, consumer: str, instead_of: str) -> None:
+    """A reader loads the description, or does not, as the findings say; PyBullet and Pinocchio say that they lose it."""
+    require(consumer)
+    paths = []
+    # Two look into no mesh, which one file of each format shows as well.
+    names = {Path(name).suffix: name for name in MESHES}.values() if consumer in {"ros", "gazebo"} else MESHES
+    for name in names:
+        (tmp_path / name).write_bytes(MESHES[name])
+        paths.append(tmp_path / f"{name}.urdf")
+        paths[-1].write_text(SOUND.replace(instead_of, f'<mesh filename="{tmp_path / name}"/>'))
+    wrong, found = unforeseen(consumer, paths)
+    assert wrong == []
+    loses = {path.name: effects_of(path, consumer).get("unreadable-mesh") == Outcome.LOSES for path in paths}
+    loaded = {path.name: behaviour for path, behaviour in zip(paths, found, strict=True) if behaviour.end == "loads"}
+    if consumer == "pybullet":  # It is silent of an OBJ for collisions.
+        named = [name for name in loaded if instead_of == BOX or ".obj" not in name]
+        assert {name: "cannot extract" in loaded[name].printed for name in named} == {
+            name: loses[name] for name in named
+        }
+    if consumer == "pinocchio" and instead_of == BOX:
+        for path in paths:
+            loses[path.name] |= effects_of(path, consumer).get("unreadable-mesh") == Outcome.LOSES
+        assert {name: "geometry" in each.extra for name, each in loaded.items()} == loses
+
+
+def test_real_meshes_are_not_said_to_be_none() -> None:
+    """Of the meshes that come with the simulators."""
+    pybullet_data = pytest.importorskip("pybullet_data")
+    paths = [path for path in Path(pybullet_data.getDataPath()).rglob("*") if path.suffix in {".stl", ".obj", ".dae"}]
+    read = read_meshes(paths[:300])
+    assert len(read) > 100
+    assert [path.name for path, file in read.items() if file.problem or file.header] == []
+
+
+# --- Sizes and headers -------------------------------------------------------------------------------------------------
 
 
 def sides_of(path: Path) -> Vec3 | None:

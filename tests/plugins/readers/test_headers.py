@@ -179,10 +179,9 @@ def test_a_column_of_text_is_left_out_with_one_notice(header: str, cell: str, tm
     assert arm.rows[0].type is JointType.REVOLUTE
 
 
-@pytest.mark.parametrize("header", ["_max acceleration [rad/s²]", "_a"])
-def test_a_column_is_left_out_on_purpose(header: str, read: Read) -> None:
+def test_a_column_is_left_out_on_purpose(read: Read) -> None:
     """By every reader, with a notice that names it."""
-    arm = read({header: "5 deg"})
+    arm = read({"_a": "5 deg"})
     assert isinstance(arm, Manipulator), words(arm)
     (notice,) = arm.notices
     assert notice.code == "columns-ignored"

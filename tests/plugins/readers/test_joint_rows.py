@@ -127,6 +127,8 @@ def test_row_0_of_a_table_with_variables_is_fixed(header: str, zero: str, read_o
     assert [row.offset for row in arm.rows] == [0, 0, math.pi, math.pi]
     assert [row.joint for row in arm.rows][1:] == ["joint_1", "joint_2", "joint_3"]
     assert arm.notices == ()
+    arm = read_one(KINOVA.format(header=header, zero=zero, first="0") + "TCP,0,0,0.1,0\n")
+    assert [row.type for row in arm.rows] == [JointType.FIXED, *[JointType.REVOLUTE] * 3, JointType.FIXED]
 
 
 def test_a_flange_beside_variables_is_fixed(read: Read) -> None:
@@ -170,10 +172,3 @@ def test_a_variable_in_d_makes_a_row_without_types_prismatic(rows: str, types: s
     if isinstance(arm, Manipulator):
         assert "".join(row.type.value[0].upper() for row in arm.rows) == types
         assert arm.notices == ()
-
-
-def test_a_first_row_called_0_is_fixed_where_a_flange_follows_the_joints(read_one: Callable[..., Manipulator]) -> None:
-    """Six errors spoke of rows that are counted from 1."""
-    rows = "0,0,0,0.35,0\n1,0.1,pi/2,0.4,q1\n2,0.4,0,0,q2\nTCP,0,0,0.1,0\n"
-    arm = read_one(f"joint,a,alpha,d,theta\n{rows}")
-    assert [str(row.type) for row in arm.rows] == ["fixed", "revolute", "revolute", "fixed"]

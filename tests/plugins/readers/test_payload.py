@@ -86,13 +86,3 @@ def test_what_is_written_is_read_back(payload: Payload, suffix: str, units: tupl
     write = READERS[suffix].can(WritesTables).write
     found = accepted(read(write([table_text(arm, *units)]).content.decode(), tmp_path, suffix))
     assert (found.payload, found.base_mass) == (payload, 0.0)
-
-
-def test_many_arms_of_a_file_carry_it(tmp_path: Path) -> None:
-    """Those that are read fast, too."""
-    rows = "".join(f"r{number},0.3,0,0.{number + 100}\n" for number in range(400))
-    path = tmp_path / "arms.csv"
-    path.write_text(f"# payload: {WHOLE}\nrobot,a,alpha,d\n{rows}", encoding="utf-8")
-    arms = list(csv.READER.read(path, TableOptions(convention="standard")))
-    assert len(arms) == 400
-    assert all(isinstance(arm, Manipulator) and arm.payload == EXPECTED for arm in arms)

@@ -48,18 +48,6 @@ def test_names_stand_for_what_they_are_defined_as(table: str) -> None:
     assert [notice for notice in arm.notices if "defined" in notice.message] == []
 
 
-def test_lists_of_quantities_in_yaml_are_those_of_cells() -> None:
-    """Texts in quotes, which flow style needs beside commas and brackets."""
-    joint = '{theta: q1, d: 0.1, a: 0, alpha: 0, mass: 2, com: ["1 mm", "-2 mm", "(1 + 2) mm"], '
-    joint = (
-        joint.replace("com", 'inertia: [["(3 + 1) g·m²", 0, 0], [0, "4 g·m²", 0], [0, 0, "(2 + 2) g·m²"]], com') + "}"
-    )
-    (row,) = dh2urdf.read(f"convention: standard\njoints:\n- {joint}\n", reader="yaml").rows
-    assert row.com == pytest.approx((0.001, -0.002, 0.003))
-    assert row.inertia is not None
-    assert (row.inertia.ixx, row.inertia.iyy, row.inertia.izz) == pytest.approx((0.004, 0.004, 0.004))
-
-
 def test_options_define_names_and_leave_columns_out(tmp_path: Path) -> None:
     path = tmp_path / "arm.csv"
     path.write_text(f"{STANDARD}{HEADER},cost\n1,q1,L1,0,pi/2,3\n2,q2,0,a2,0,5\n")

@@ -227,13 +227,6 @@ def unit_advice(doubt: Doubt, dimension: Dimension, text: str) -> str:
 def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension, units: Units) -> None:
     """Refuse a number that stands outside of rows where its unit is not sure, and remember it where nothing says it.
 
-    Args:
-        quantity: the value of the cell.
-        name: its field.
-        cell: its text and its place.
-        dimension: what it measures.
-        units: the units of the table.
-
     Raises:
         QuantityError: it names no unit, is not 0, and its unit is in doubt.
     """

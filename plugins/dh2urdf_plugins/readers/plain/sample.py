@@ -35,11 +35,7 @@ class PlainSample:
         self._again = 0
 
     def choose(self, sizes: Sequence[int]) -> int | None:
-        """The index of the manipulator that is read again, or None.
-
-        Args:
-            sizes: how many rows each manipulator of a batch has.
-        """
+        """The index of the manipulator that is read again, or None."""
         index = self._read % len(sizes)
         self._read += sum(sizes)
         rows = min(sizes[index], HEAD)

@@ -56,13 +56,7 @@ class CellReader:
         self.is_sure = False  # whether a comma cannot separate thousands
 
     def read(self, row: Sequence[Value], marks: Sequence[Mark], number: int) -> dict[str, Cell] | None:
-        """The cells of a row by field, or None where they cannot be told apart.
-
-        Args:
-            row: the cells as they are in the file.
-            marks: the place of each.
-            number: the number of the row within its manipulator.
-        """
+        """The cells of a row by field, or None where they cannot be told apart."""
         columns, cells = self.columns, dict[str, Cell]()
         for index, (name, value) in enumerate(zip(columns.fields, row, strict=False)):
             if index in columns.ignored:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.quantities import MAX_CHARACTERS, is_unit
+from dh2urdf.quantities import MAX_CHARACTERS, is_unit, is_zero
 from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import Mark, Messages, Problem, shown
 
@@ -188,14 +188,6 @@ def _tensor(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict
         return say("inertia-of-six" if six else "inertia-of-three" if three else "inertia-no-matrix", **about)
     parts: dict[str, str] = {}
     for name, item in zip(_TENSOR, (_with_unit(item, unit) for item in items), strict=True):
-        if not _are_equal(parts.setdefault(name, item), item):
+        if parts.setdefault(name, item) != item and not is_zero(f"{item} - ({parts[name]})"):
             return say("inertia-not-symmetric", **about, name=name, one=shown(parts[name]), other=shown(item))
     return parts
-
-
-def _are_equal(left: str, right: str) -> bool:
-    """Whether two elements of a matrix are the same, as texts or as numbers."""
-    try:
-        return float(left) == float(right)
-    except ValueError:
-        return left == right

@@ -101,13 +101,7 @@ class RowReader:
     # --- A row --------------------------------------------------------------------------------------------------------
 
     def read(self, number: int, cells: Mapping[str, Cell], mark: Mark) -> DHRow | None:
-        """The row that some cells are, or None where there is an error in them.
-
-        Args:
-            number: the row's number, counted from 1.
-            cells: the texts, by name of the field; an empty one was left out by the user.
-            mark: the row's place.
-        """
+        """The row that some cells are, or None where there is an error in them."""
         before = self.errors
         self._cells, self._mark, self._number, self._units_of, self._unsaid = cells, mark, number, {}, {}
         self._joint = f"joint_{number}"

@@ -66,11 +66,6 @@ class Comment:
         rest = text.lstrip(f"{_INVISIBLE}{''.join(MARKERS)}")
         return cls(rest, within(place, len(line) - len(rest)), line.strip(), place)
 
-    @classmethod
-    def note(cls, text: str, place: Mark) -> Comment:
-        """The note that a cell beside the table or below it is, with a marker or without one."""
-        return cls.of(cls.of(text, place).text.strip(SPACES), place)
-
 
 def _start_of(line: str) -> re.Match[str] | None:
     """The beginning of a comment line: ``outer`` cells without content, a ``quote`` perhaps, and the ``sign``."""
@@ -91,10 +86,7 @@ def within(place: Mark, position: int) -> Mark:
 def is_comment(line: str, *, top: bool = False) -> bool:
     """Whether a line is a comment by its first characters; an error of a spreadsheet begins with # too, and is none.
 
-    Args:
-        line: the line.
-        top: whether it is above the header: there a comment may also be in quotes, or in a column further right.
-            Below, a cell in quotes may be a name.
+    Above the header a comment may be in quotes, or in a column further right; below, a cell in quotes may be a name.
     """
     start = _start_of(line)
     if start is None or (line[start.end() :][:1] != " " and re.match(SPREADSHEET_ERROR, line[start.start("sign") :])):

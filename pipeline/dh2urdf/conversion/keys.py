@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.plugin_system.discovery import Plugin
+    from dh2urdf.plugin_system.attribution import Plugin
 
 DIGITS = 32
 """Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""

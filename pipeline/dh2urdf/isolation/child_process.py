@@ -28,8 +28,8 @@ from typing import IO, TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, TypeVar
 
 from dh2urdf.errors import CrashError, TimeLimitError
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
-from dh2urdf.plugin_system.attribution import MARK, NAME_SIZE
-from dh2urdf.plugin_system.discovery import UNKNOWN, installed
+from dh2urdf.plugin_system.attribution import MARK, NAME_SIZE, UNKNOWN
+from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.source import Messages, shown
 
 say = Messages(__file__)

@@ -48,12 +48,8 @@ def load_in_child(
 ) -> LoadReport:
     """Call a loader in a child process and complete its report with what the simulator printed.
 
-    Args:
-        loader: the loader.
-        request: what it is asked to load.
-        options: its options.
-        who: what messages call it, such as ``the loader 'toy' of lab 1.0``.
-        children: the children of loaders that are kept; without them the loader has a child for this one load.
+    Messages call it `who`, such as ``the loader 'toy' of lab 1.0``. Without `children` that are kept, it has a child
+    for this one load.
 
     Raises:
         CrashError: as `dh2urdf.isolation.child_process.run_in_child`.

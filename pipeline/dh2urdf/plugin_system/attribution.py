@@ -1,4 +1,4 @@
-"""Which stage runs at this moment, and which lines plugins print meanwhile.
+"""Plugins, which stage of one runs at this moment, what it raises, and which lines it prints meanwhile.
 
 An interrupt takes the name of the running stage along as a note. A child process also writes the name into a file that
 its parent shares: the parent knows it even where the child hangs, crashes or leaves by `os._exit`.
@@ -8,27 +8,21 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from contextvars import ContextVar
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from importlib.metadata import Distribution, EntryPoint
     from types import TracebackType
-    from typing import Protocol, TextIO
+    from typing import TextIO
 
-    class NamedPlugin(Protocol):
-        """What is needed of a `dh2urdf.plugin_system.discovery.Plugin`."""
-
-        name: str
-        is_builtin: bool
-
-        @property
-        def distribution(self) -> str:
-            """Name and version of the distribution."""
-
-
+UNKNOWN = "an unknown distribution"
+_BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
 MARK = "\x1e"
 """What a line on a child's standard error begins with if its parent has the line from the child's results, too."""
 NAME_SIZE = 1024
@@ -55,7 +49,7 @@ class Attribution:
 
     __slots__ = ("_before", "_folder", "_process", "plugin", "what")
 
-    def __init__(self, what: str, plugin: NamedPlugin | None) -> None:
+    def __init__(self, what: str, plugin: Plugin | None) -> None:
         self.what, self.plugin = what, plugin
 
     def __str__(self) -> str:
@@ -104,15 +98,89 @@ def current() -> Attribution | None:
     return _current.get()
 
 
+class Plugin:
+    """An installed plugin.
+
+    Attributes:
+        name: its entry point, such as ``my_lab = my_lab.dh2urdf``.
+        module: what the entry point gives; imported when it is asked for.
+        distribution: name and version of the distribution that provides it; read when it is asked for, since the
+            metadata of a distribution take as long to read as a table.
+        entry: the name of the entry point: what stands before the ``=``.
+        is_builtin: whether it is a plugin of dh2urdf itself.
+        is_installed: whether it was found among what is installed, as every process of this environment finds it.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        distribution: Distribution | str | None,
+        module: Any = None,  # noqa: ANN401 - anything
+        point: EntryPoint | None = None,
+    ) -> None:
+        self.name = name
+        self.entry, _, place = name.partition(" = ")
+        self.is_builtin, self.is_installed = place in _BUILT_IN, point is not None
+        self._distribution, self._module, self._point = distribution, module, point
+
+    @cached_property
+    def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
+        if self._point is None:
+            return self._module
+        with Attribution(f"the import of the plugin {self.name!r}", self):
+            return self._point.load()
+
+    @cached_property
+    def distribution(self) -> str:  # noqa: D102 - documented with the class
+        found = self._distribution
+        if found is None or isinstance(found, str):
+            return found or UNKNOWN
+        return f"{found.name or UNKNOWN} {found.version}"
+
+    @property
+    def distribution_name(self) -> str:
+        """The name of the distribution, without its version."""
+        found = self._distribution
+        return found.partition(" ")[0] if isinstance(found, str) else (found and found.name) or UNKNOWN
+
+    def is_of(self, distribution: str) -> bool:
+        """Whether a distribution provides it; spellings of a name that pip takes for one are one here, too."""
+        return same_name(self.distribution_name, distribution)
+
+
+def same_name(one: str, other: str) -> bool:
+    """Whether two names of a distribution are one name, as pip compares them."""
+    return re.sub(r"[-_.]+", "-", one).lower() == re.sub(r"[-_.]+", "-", other).lower()
+
+
+# --- What plugins raise: anything, and even the text of that may fail
+
+
+def reason_of(error: BaseException) -> str:
+    """Return the class of an exception and its message, in one line."""
+    try:
+        text = str(error)
+    except Exception as failed:  # noqa: BLE001 - it is the exception's own code
+        text = f"its text cannot be made: {type(failed).__name__}"
+    text = "; ".join(filter(None, map(str.strip, text.removeprefix("error: ").splitlines())))
+    return f"{type(error).__name__}: {text}" if text else f"{type(error).__name__}, without a message"
+
+
+def traceback_of(error: BaseException) -> str:
+    """Return where an exception was raised, for `--debug`."""
+    import traceback
+
+    return "".join(traceback.format_exception(error))
+
+
 # --- What plugins print -----------------------------------------------------------------------------------------------
 
 
 class NamedLines(io.RawIOBase):
-    """Takes bytes, and hands over whole lines with the name of the stage that printed them.
+    """Takes bytes, and hands over whole lines with the name of the stage that printed them, and without it.
 
-    Args:
-        put: takes a line with the name of its plugin, and the line alone; both without an end.
-        stderr: where programs print that are given this stream.
+    Programs that are given this stream print to standard error.
     """
 
     def __init__(self, put: Callable[[str, str], object], stderr: TextIO) -> None:

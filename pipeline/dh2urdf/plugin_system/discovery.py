@@ -8,77 +8,22 @@ with a plugin for each of two versions works with both.
 from __future__ import annotations
 
 import os
-import re
 import sys
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
-from dh2urdf.plugin_system.attribution import Attribution
+from dh2urdf.plugin_system.attribution import Plugin
 from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from importlib.metadata import Distribution, EntryPoint
+    from importlib.metadata import EntryPoint
 
 say = Messages(__file__)
-
-UNKNOWN = "an unknown distribution"
-_BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
-
-
-class Plugin:
-    """An installed plugin.
-
-    Attributes:
-        name: its entry point, such as ``my_lab = my_lab.dh2urdf``.
-        module: what the entry point gives; imported when it is asked for.
-        distribution: name and version of the distribution that provides it; read when it is asked for, since the
-            metadata of a distribution take as long to read as a table.
-        entry: the name of the entry point: what stands before the ``=``.
-        is_builtin: whether it is a plugin of dh2urdf itself.
-        is_installed: whether it was found among what is installed, as every process of this environment finds it.
-    """
-
-    def __init__(
-        self,
-        *,
-        name: str,
-        distribution: Distribution | str | None,
-        module: Any = None,  # noqa: ANN401 - anything
-        point: EntryPoint | None = None,
-    ) -> None:
-        self.name = name
-        self.entry, _, place = name.partition(" = ")
-        self.is_builtin, self.is_installed = place in _BUILT_IN, point is not None
-        self._distribution, self._module, self._point = distribution, module, point
-
-    @cached_property
-    def module(self) -> Any:  # noqa: ANN401, D102 - anything; documented with the class
-        if self._point is None:
-            return self._module
-        with Attribution(f"the import of the plugin {self.name!r}", self):
-            return self._point.load()
-
-    @cached_property
-    def distribution(self) -> str:  # noqa: D102 - documented with the class
-        found = self._distribution
-        if found is None or isinstance(found, str):
-            return found or UNKNOWN
-        return f"{found.name or UNKNOWN} {found.version}"
-
-    @property
-    def distribution_name(self) -> str:
-        """The name of the distribution, without its version."""
-        found = self._distribution
-        return found.partition(" ")[0] if isinstance(found, str) else (found and found.name) or UNKNOWN
-
-    def is_of(self, distribution: str) -> bool:
-        """Whether a distribution provides it; spellings of a name that pip takes for one are one here, too."""
-        return same_name(self.distribution_name, distribution)
 
 
 class Installed(NamedTuple):
@@ -90,10 +35,7 @@ class Installed(NamedTuple):
 
 
 def installed(without: Sequence[str] = ()) -> Installed:
-    """Return the plugins that are installed, by their entry points.
-
-    Args:
-        without: names of plugins or of distributions to leave out.
+    """Return the plugins that are installed, by their entry points, `without` some plugins or distributions.
 
     Raises:
         ConfigError: one of the names is nobody's.
@@ -158,28 +100,3 @@ def _entry_points(_places: tuple[tuple[str, int], ...]) -> list[tuple[int, Entry
         if name == PROJECT and (version.isdecimal() or not dot):
             found += [(int(version or 1), point) for point in every.select(group=group)]
     return sorted(found, key=lambda each: (each[0], each[1].value, each[1].name))
-
-
-def same_name(one: str, other: str) -> bool:
-    """Whether two names of a distribution are one name, as pip compares them."""
-    return re.sub(r"[-_.]+", "-", one).lower() == re.sub(r"[-_.]+", "-", other).lower()
-
-
-# --- What plugins raise: anything, and even the text of that may fail
-
-
-def reason_of(error: BaseException) -> str:
-    """Return the class of an exception and its message, in one line."""
-    try:
-        text = str(error)
-    except Exception as failed:  # noqa: BLE001 - it is the exception's own code
-        text = f"its text cannot be made: {type(failed).__name__}"
-    text = "; ".join(filter(None, map(str.strip, text.removeprefix("error: ").splitlines())))
-    return f"{type(error).__name__}: {text}" if text else f"{type(error).__name__}, without a message"
-
-
-def traceback_of(error: BaseException) -> str:
-    """Return where an exception was raised, for `--debug`."""
-    import traceback
-
-    return "".join(traceback.format_exception(error))

@@ -32,14 +32,7 @@ class Words(NamedTuple):
 
 
 class Key(NamedTuple):
-    """A key of a record.
-
-    Attributes:
-        hint: its type.
-        is_needed: whether it has no default.
-        help: what it is for.
-        measures: what it measures that may have units, such as `length`: words of `dh2urdf.quantities.Dimension`.
-    """
+    """A key of a record: its type, whether it has no default, what it is for, and the word for its `Dimension`."""
 
     hint: Any
     is_needed: bool

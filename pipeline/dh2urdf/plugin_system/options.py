@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, InputError
-from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
+from dh2urdf.plugin_system.attribution import UNKNOWN, reason_of, traceback_of
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from dh2urdf.plugin_system.discovery import Plugin
+    from dh2urdf.plugin_system.attribution import Plugin
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 COMMAND_LINE = Mark(file="command line")
@@ -43,8 +43,7 @@ def make_options(
         mark: where the stage is named, for what has no place of its own, such as a word.
         where: the stage, for messages, such as ``emitter 'urdf'``.
         plugin: who provides the stage, for messages.
-        folder: that of the file that `given` is in, which paths are relative to; those of the command line are relative
-            to the working directory.
+        folder: the folder of the file that `given` is in, which paths are relative to; else the working directory.
 
     Raises:
         BrokenPluginError: the stage's options type itself does not work.

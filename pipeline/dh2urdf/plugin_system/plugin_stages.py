@@ -13,8 +13,7 @@ import pluggy
 
 from dh2urdf import hookspecs, stages
 from dh2urdf.errors import BrokenPluginError
-from dh2urdf.plugin_system.attribution import Attribution
-from dh2urdf.plugin_system.discovery import Plugin, reason_of, traceback_of
+from dh2urdf.plugin_system.attribution import Attribution, Plugin, reason_of, traceback_of
 from dh2urdf.stages import Compares, Edit, Executor, Kind, Stage, Subcommand
 
 if TYPE_CHECKING:
@@ -73,11 +72,7 @@ class Remembered:
 
 
 class PluginStages:
-    """Imports plugins, calls their hooks, and keeps what they give and how they fail.
-
-    Attributes:
-        broken: the plugins that failed or do not fit, with their reasons, as far as they have been used.
-    """
+    """Imports plugins, calls their hooks, and keeps what they give and, as `broken`, how they fail."""
 
     def __init__(self, broken: Iterable[BrokenPluginError] = ()) -> None:
         self.broken = list(broken)

@@ -42,15 +42,10 @@ REFUSED = frozenset({"value_error", "assertion_error"})
 
 
 def record_of(kind: type[T], node: Node, *, whose: str, keyword: str = "option", folder: Path | None = None) -> T:
-    """A record of a value of a document.
+    """A record of a mapping in a document.
 
-    Args:
-        kind: the dataclass.
-        node: the mapping that was written.
-        whose: whose record it is, for messages, such as ``the loader 'x'``.
-        keyword: what messages call a key of it.
-        folder: the folder of the file, which paths are relative to; those without a line are relative to the working
-            directory.
+    Messages say whose record it is, such as ``the loader 'x'``, and call a key of it by the keyword. Paths are relative
+    to the folder of the file; those without a line to the working directory.
     """
     return _Given(kind, node, whose, keyword, folder).record()
 

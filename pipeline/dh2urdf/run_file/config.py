@@ -89,9 +89,7 @@ class OutputSection:
 
     Attributes:
         directory: a folder, or an address such as ``s3://bucket/prefix``; None for ``build/`` beside the run file.
-        layout: how the files lie there.
         mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
-        mesh_conversion: what becomes of meshes.
     """
 
     directory: Path | str | None = None

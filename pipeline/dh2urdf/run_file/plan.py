@@ -144,13 +144,7 @@ def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -
 
 
 class _Stages:
-    """Finds the stages that a run file asks for, with their options, and gathers what is wrong.
-
-    Attributes:
-        problems: all that is wrong, each with its place in the run file.
-        notices: the findings about inputs, by the path of the file that says it: named twice, or by a pattern that
-            could not be searched everywhere.
-    """
+    """Finds the stages of a run file; gathers what is wrong, and the findings about inputs by their paths."""
 
     def __init__(self, catalog: Catalog, problems: Iterable[Problem], folder: Path) -> None:
         self.problems = list(problems)

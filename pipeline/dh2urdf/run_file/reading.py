@@ -37,14 +37,9 @@ class FoundFiles(NamedTuple):
 
 
 class Reading:
-    """What is wrong with a run file, and where its paths begin.
+    """What is wrong with a run file, and where its paths begin: whatever reads a value adds to the problems.
 
-    Args:
-        folder: the folder of the run file.
-        changes: the file that marks name where a value is a change of the run file.
-
-    Attributes:
-        problems: what is wrong; whatever reads a value adds to it.
+    Marks name the file `changes` where a value is a change of the run file.
     """
 
     def __init__(self, folder: Path = Path(), changes: str = "") -> None:

@@ -53,8 +53,7 @@ MOST_TURNS = 10
 class _LawReader:
     """Reads the law of one field; the first value that is wrong is a `ConfigError`.
 
-    Attributes:
-        units: what the units measure that its values name.
+    `units` are what the units measure that its values name.
     """
 
     def __init__(self, what: str, field: str) -> None:

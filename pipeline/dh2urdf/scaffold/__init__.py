@@ -54,12 +54,8 @@ def write_plugin(
 ) -> tuple[Path, list[str]]:
     """Write a distribution with one stage, all of its files or nothing: its folder, and the names of the files in it.
 
-    Args:
-        name: name of the folder, of the distribution and, without ``dh2urdf-``, of the stage.
-        kind: the kind of stage.
-        folder: where the distribution's own folder is made.
-        catalog: the stages that are installed, none of which is to have the name.
-        minimal: whether it is the smallest one: a module, its contract test, and what installs it.
+    `name` is that of the folder, of the distribution and, without ``dh2urdf-``, of the stage: one that no stage of the
+    catalog has. The smallest one (`minimal`) is a module, its contract test, and what installs it.
 
     Raises:
         ConfigError: the name cannot be given, or its folder is there.

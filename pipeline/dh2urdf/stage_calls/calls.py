@@ -34,9 +34,8 @@ from dh2urdf.errors import (
     TableError,
     TableWarning,
 )
-from dh2urdf.plugin_system.attribution import Attribution, current
+from dh2urdf.plugin_system.attribution import UNKNOWN, Attribution, current, reason_of, traceback_of
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
-from dh2urdf.plugin_system.discovery import UNKNOWN, reason_of, traceback_of
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import listed, shown
 from dh2urdf.stages import Edit, EmittedFile, Emitter, Executor, Kind, Loader, Reader, Transform

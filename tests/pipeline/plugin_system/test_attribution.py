@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
-from dh2urdf.plugin_system.attribution import Attribution, current
-from dh2urdf.plugin_system.discovery import Plugin
+from dh2urdf.plugin_system.attribution import Attribution, Plugin, current
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +62,7 @@ class TestInAChild:
         install(tmp_path, "lab", "")
         monkeypatch.syspath_prepend(tmp_path)
         script = (
-            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.attribution import Attribution\nfrom dh2urdf.plugin_system.discovery import Plugin\n"
+            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.attribution import Attribution, Plugin\n"
             "with Attribution('executor \\'here\\'', None):\n"
             f"    with Attribution('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
         )

@@ -9,7 +9,7 @@ from other_fields import with_field
 
 from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
 from dh2urdf.plugin_system import KINDS, load
-from dh2urdf.plugin_system.discovery import Plugin
+from dh2urdf.plugin_system.attribution import Plugin
 from dh2urdf.robot import Link, Robot
 from dh2urdf.stage_calls import calls as attribution
 from dh2urdf.stage_calls.calls import Call, blaming, depending_on, own_work

@@ -16,8 +16,7 @@ from dh2urdf.source import Mark
 from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Rejected, Traces
 from dh2urdf.table_text import CellRow, Trace
-from dh2urdf.testing.comparing import difference, leaves
-from dh2urdf.testing.stage_contract import Calls, InputContract, clause
+from dh2urdf.testing.stage_contract import Calls, InputContract, clause, difference, leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

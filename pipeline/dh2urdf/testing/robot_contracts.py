@@ -32,10 +32,9 @@ from dh2urdf.stages import (
     TransformsInColumns,
     WritesFolders,
 )
-from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.oracle import gap, robot_pose, table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
-from dh2urdf.testing.stage_contract import Calls, InputContract, clause
+from dh2urdf.testing.stage_contract import Calls, InputContract, clause, difference
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

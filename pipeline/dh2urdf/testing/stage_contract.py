@@ -6,7 +6,6 @@ what to do about it.
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import inspect
 import json
@@ -17,8 +16,10 @@ import tomllib
 import traceback
 from contextlib import suppress
 from copy import deepcopy
+from dataclasses import fields, is_dataclass
 from importlib.metadata import EntryPoint
 from importlib.resources import files
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -33,7 +34,6 @@ from dh2urdf.quantities import Dimension
 from dh2urdf.stages import HasSchema
 from dh2urdf.testing.catalogs import catalog_of
 from dh2urdf.testing.child import in_child
-from dh2urdf.testing.comparing import difference
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -135,7 +135,7 @@ class StageContract:
             if key.measures not in (None, *(words := [each.plain for each in Dimension])):
                 yield f"the option {name!r} measures {key.measures!r}, which is none of {', '.join(words)}"
         kind, given = self.stage.options, self.given()
-        if not dataclasses.is_dataclass(kind) or not getattr(kind, "__dataclass_params__").frozen:  # noqa: B009 - no type has it
+        if not is_dataclass(kind) or not getattr(kind, "__dataclass_params__").frozen:  # noqa: B009 - no type has it
             yield f"{kind.__name__} is a dataclass that can be changed"
         try:
             hash(given)
@@ -269,3 +269,43 @@ def _outcomes(function: Callable[..., Any], items: Iterable[Any], *args: Any) ->
         except (Exception, SystemExit) as error:  # noqa: BLE001 - another clause is about them
             found.append(str(error) if isinstance(error, Dh2UrdfError) else type(error).__name__)
     return found
+
+
+# --- Where two records differ -----------------------------------------------------------------------------------------
+
+
+_PART = 200
+"""Characters of a value that a difference repeats."""
+
+
+def difference(first: Any, second: Any, *, whole: bool = True) -> str | None:  # noqa: ANN401 - any values
+    """Where two values differ first, and by what; None where they are the same.
+
+    `whole` is whether fields count that `==` leaves out, such as marks, notices and formulas.
+    """
+    both = leaves(first, whole=whole), leaves(second, whole=whole)
+    for one, other in zip_longest(*both, fillvalue=("it", "nothing")):
+        if one != other:
+            (place, left), (_, right) = one, other
+            start = next((i for i, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), 0)
+            cut = slice(max(0, start - _PART // 2), max(_PART, start + _PART // 2))
+            return f"{place or 'it'} is once {left[cut]} and once {right[cut]}"
+    return None
+
+
+def leaves(value: Any, place: str = "", *, whole: bool = True) -> Iterator[tuple[str, str]]:  # noqa: ANN401 - any value
+    """Every number and text in a value, as `repr` has it, with its place: ``rows[2].limits.lower``."""
+    parts: list[tuple[str, Any]] = []
+    if is_dataclass(value) and not isinstance(value, type):
+        names = [field.name for field in fields(value) if whole or field.compare]
+        parts = [(f"{place}.{name}".lstrip("."), getattr(value, name)) for name in names]
+    elif isinstance(value, (list, tuple)):
+        parts = [(f"{place}[{index}]", item) for index, item in enumerate(value)]
+    elif isinstance(value, dict):
+        parts = [(f"{place}[{key!r}]", item) for key, item in value.items()]
+    else:
+        yield place, repr(value)
+        return
+    yield place, f"a {type(value).__name__} of {len(parts)}"
+    for inner, item in parts:
+        yield from leaves(item, inner, whole=whole)

@@ -24,10 +24,9 @@ from dh2urdf.source import Problem
 from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Emitter, Executor, Loader, LoadReport, LoadRequest, Lost, Reusable
 from dh2urdf.testing.child import descendants, in_child
-from dh2urdf.testing.comparing import difference
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
-from dh2urdf.testing.stage_contract import MISSING, StageContract, clause
+from dh2urdf.testing.stage_contract import MISSING, StageContract, clause, difference
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator

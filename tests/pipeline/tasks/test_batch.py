@@ -18,7 +18,7 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsInColumns, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, batches
 from dh2urdf.tasks.batch_sizes import Expected
-from dh2urdf.testing.comparing import difference
+from dh2urdf.testing.stage_contract import difference
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

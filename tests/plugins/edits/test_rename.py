@@ -25,7 +25,6 @@ def names(table: Manipulator) -> list[str]:
     [
         ({"prefix": "left_"}, ["left_joint_1", "left_link_1", "left_joint_2", "left_link_2"]),
         ({"prefix": "l_", "of": "joints"}, ["l_joint_1", "link_1", "l_joint_2", "link_2"]),
-        ({"prefix": "l_", "of": "links"}, ["joint_1", "l_link_1", "joint_2", "l_link_2"]),
         ({"pattern": r"(\w+)_(\d)", "replacement": r"\2_\1"}, ["1_joint", "1_link", "2_joint", "2_link"]),
         ({"pattern": "^joint_", "replacement": "axis", "prefix": "a/"}, ["a/axis1", "a/link_1", "a/axis2", "a/link_2"]),
         ({"pattern": "^joint_"}, ["1", "link_1", "2", "link_2"]),

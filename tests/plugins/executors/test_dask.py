@@ -244,7 +244,6 @@ class TestNobody:
         ("address", "reason"),
         [
             ("tcp://127.0.0.1:1", "Timed out"),
-            ("tcp://127.0.0.1", "missing port number"),
             ("somewhere", "missing port number"),
             ("http://127.0.0.1:80", "unknown address scheme 'http'"),
         ],

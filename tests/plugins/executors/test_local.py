@@ -158,7 +158,6 @@ class TestDeaths:
         ("death", "reason"),
         [
             ("SIGKILL", r"^the worker was killed \(SIGKILL\), from outside or for want of memory$"),
-            ("SIGTERM", r"^the worker was killed \(SIGTERM\), from outside or for want of memory$"),
             ("SIGABRT", r"^the worker crashed \(SIGABRT, aborted\); it printed last: 'Fatal Python error: Aborted .* in double_or_die"),
             ("segmentation fault", r"^the worker crashed \(SIGSEGV, segmentation fault\); .*Fatal Python error: Seg.* in string_at"),
             ("leave", r"^the worker left with exit status 3; it printed last: 'I am leaving'$"),

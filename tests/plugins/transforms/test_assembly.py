@@ -69,7 +69,6 @@ def test_limits_that_nobody_gave_are_filled_in(table: Table, robot_of: RobotOf) 
     [
         ([{"a": 0.2, "d": 0.15}, {"a": -0.12}], 0.1),
         ([{"a": 0.2}, {"d": -0.4337}], 0.21),
-        ([{"d": 3.0}], 1.5),
         ([{"a": 0.001999}], 0.00099),
         ([{}], 1.0),
     ],

@@ -12,6 +12,7 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
 
@@ -127,20 +128,10 @@ def test_no_posture_and_no_mounting_needs_more_than_half_the_default_effort(arm:
     robot = alpha_swap(arm, AlphaSwapOptions(frames="dh" if seed % 2 else "aligned"))
     rng = np.random.default_rng(seed)
     for _ in range(5):
-        values = {joint.name: rng.uniform(-0.7, 0.9) for joint in robot.moving_joints}
-        pose, axes, masses = np.eye(4), [], []
+        q = [rng.uniform(-0.7, 0.9) for _ in robot.moving_joints]
+        axes, masses = [], []
         for joint in robot.joints[:-2]:
-            x, y, z = joint.axis
-            skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-            q = values.get(joint.name, 0.0)
-            motion = np.eye(4)
-            if joint.type is JointType.PRISMATIC:
-                motion[:3, 3] = q * np.array(joint.axis)
-            else:
-                motion[:3, :3] += math.sin(q) * skew + (1 - math.cos(q)) * skew @ skew
-            step = np.eye(4)
-            step[:3, :3], step[:3, 3] = np.reshape(joint.origin.transform.rotation, (3, 3)), joint.origin.xyz
-            pose = pose @ step @ motion
+            pose = robot_pose(robot, q, robot.root, joint.child)
             axes.append((joint, pose[:3, 3], pose[:3, :3] @ joint.axis))
             link = body(robot, joint.child)
             masses.append((link.mass, (pose @ [*link.com, 1])[:3]))

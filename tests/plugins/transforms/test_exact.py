@@ -13,9 +13,10 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
-from dh2urdf.robot import Box, Cylinder
+from dh2urdf.robot import Box, Cylinder, Origin
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.testing.oracle import robot_pose, table_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
 
@@ -25,13 +26,10 @@ if TYPE_CHECKING:
     from conftest import ReferenceRobot  # type: ignore[import-not-found]
     from numpy.typing import NDArray
 
-    from dh2urdf.robot import Origin, Robot
+    from dh2urdf.robot import Robot
 
 FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
 SHAPES = ("cylinder", "box", "capsule", "arm")
-
-
-# The oracles: homogeneous matrices as a textbook has them.
 
 
 def turn(axis: Sequence[float], angle: float) -> NDArray[np.float64]:
@@ -43,57 +41,8 @@ def turn(axis: Sequence[float], angle: float) -> NDArray[np.float64]:
     return matrix
 
 
-def shift(vector: Sequence[float]) -> NDArray[np.float64]:
-    matrix = np.eye(4)
-    matrix[:3, 3] = vector
-    return matrix
-
-
-def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
-    matrix = shift(transform.translation)
-    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
-    return matrix
-
-
-def dh_product(manipulator: Manipulator, q: Sequence[float]) -> NDArray[np.float64]:
-    pose = homogeneous(manipulator.base)
-    values = iter(q)
-    for row in manipulator.rows:
-        theta, d = row.theta, row.d
-        if row.type is JointType.PRISMATIC:
-            d += row.offset + row.sign * next(values)
-        elif row.type is not JointType.FIXED:
-            theta += row.offset + row.sign * next(values)
-        x = turn((1, 0, 0), row.alpha) @ shift((row.a, 0, 0))
-        z = turn((0, 0, 1), theta) @ shift((0, 0, d))
-        pose = pose @ (x @ z if manipulator.convention is Convention.MODIFIED else z @ x)
-    return pose @ homogeneous(manipulator.tool)
-
-
-def placed(xyz: Sequence[float], rpy: Sequence[float]) -> NDArray[np.float64]:
-    roll, pitch, yaw = rpy
-    return shift(xyz) @ turn((0, 0, 1), yaw) @ turn((0, 1, 0), pitch) @ turn((1, 0, 0), roll)
-
-
-def tree_pose(
-    robot: Robot, q: Sequence[float], tip: str = "tool0", names: Mapping[str, Any] | None = None
-) -> NDArray[np.float64]:
-    """T(base_link → tip); with names, every origin is evaluated from its formulas."""
-    joints = {joint.child: joint for joint in robot.joints}
-    values = dict(zip((joint.name for joint in robot.moving_joints), q, strict=True))
-    pose = np.eye(4)
-    link = tip
-    while link in joints:
-        joint = joints[link]
-        xyz, rpy = (joint.origin.xyz, joint.origin.rpy) if names is None else evaluated(joint.origin, names)
-        step = placed(xyz, rpy)
-        if joint.type is JointType.PRISMATIC:
-            step = step @ shift(np.multiply(values[joint.name], joint.axis))
-        elif joint.type is not JointType.FIXED:
-            step = step @ turn(joint.axis, values[joint.name])
-        pose, link = step @ pose, joint.parent
-    assert link == "base_link"
-    return pose
+def tree_pose(robot: Robot, q: Sequence[float], tip: str = "tool0") -> NDArray[np.float64]:
+    return robot_pose(robot, q, "base_link", tip)
 
 
 # Formulas, read as Python reads them.
@@ -105,12 +54,17 @@ def value_of(formula: str, names: Mapping[str, Any]) -> float:
     return float(eval(formula, {"__builtins__": {}}, FUNCTIONS | dict(names)))  # noqa: S307 - the project's own text
 
 
-def evaluated(origin: Origin, names: Mapping[str, Any]) -> tuple[list[float], list[float]]:
-    xyz, rpy = (
-        [value_of(formula, names) for formula in formulas] if formulas else list(numbers)
-        for numbers, formulas in ((origin.xyz, origin.xyz_formula), (origin.rpy, origin.rpy_formula))
-    )
-    return xyz, rpy
+def evaluated(robot: Robot, names: Mapping[str, Any]) -> Robot:
+    """The robot whose joints are where their formulas put them."""
+
+    def place(origin: Origin) -> Origin:
+        xyz, rpy = (
+            tuple([value_of(formula, names) for formula in formulas]) if formulas else numbers
+            for numbers, formulas in ((origin.xyz, origin.xyz_formula), (origin.rpy, origin.rpy_formula))
+        )
+        return Origin(xyz=xyz, rpy=rpy)  # type: ignore[arg-type]
+
+    return replace(robot, joints=tuple(replace(joint, origin=place(joint.origin)) for joint in robot.joints))
 
 
 def numbers_with_formulas(robot: Robot) -> Iterator[tuple[float, str]]:
@@ -143,7 +97,7 @@ def test_the_robot_has_the_kinematics_of_the_table_in_both_frames(
 ) -> None:
     """T(base_link → tool0) is the DH product, whatever the convention, the joints, the angles, base and tool."""
     q = joint_vector(manipulator, seed)
-    truth = dh_product(manipulator, q)
+    truth = table_pose(manipulator, q)
     for frames in ("aligned", "dh"):
         robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames, shape=shape))
         np.testing.assert_allclose(tree_pose(robot, q), truth, rtol=0, atol=1e-12)
@@ -173,8 +127,8 @@ def test_an_edited_parameter_edits_the_arm(manipulator: Manipulator, data: st.Da
         robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames))
         edited = replace(manipulator, rows=edited_rows)
         names = parameter_values(alpha_swap(edited, AlphaSwapOptions(frames=frames)))
-        pose = tree_pose(robot, q, names=names)
-        np.testing.assert_allclose(pose, dh_product(edited, q), rtol=0, atol=1e-12)
+        pose = tree_pose(evaluated(robot, names), q)
+        np.testing.assert_allclose(pose, table_pose(edited, q), rtol=0, atol=1e-12)
 
 
 @FRAMES
@@ -293,7 +247,7 @@ def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> N
     q = [0.3, -0.7, 1.1, 0.2]
     for i in range(4):
         upto = i + 1 if convention is Convention.MODIFIED else i
-        frame = dh_product(replace_unchecked(table, rows=table.rows[:upto]), q[:upto])
+        frame = table_pose(replace_unchecked(table, rows=table.rows[:upto]), q[:upto])
         if convention is Convention.STANDARD:
             frame = frame @ turn((0, 0, 1), q[i])
         np.testing.assert_allclose(tree_pose(robot, q, f"l{i}"), frame, atol=1e-14)
@@ -308,7 +262,9 @@ def test_the_frame_base_is_the_dh_frame_before_the_first_row(frames: str, conven
     manipulator = Manipulator(name="arm", convention=convention, rows=rows, base=base)
     assert "base" not in [link.name for link in alpha_swap(manipulator, AlphaSwapOptions(frames=frames)).links]
     robot = alpha_swap(manipulator, AlphaSwapOptions(frames=frames, base_frame=True))
-    np.testing.assert_allclose(tree_pose(robot, [0.7], "base"), homogeneous(base), atol=1e-15)
+    np.testing.assert_allclose(
+        tree_pose(robot, [0.7], "base"), table_pose(replace_unchecked(manipulator, rows=()), []), atol=1e-15
+    )
     (link,) = [link for link in robot.links if link.name == "base"]
     assert (link.visuals, link.collisions, link.inertial and link.inertial.mass) == ((), (), 0.0)
     assert [problem for problem in check_robot(robot) if problem.severity == "error"] == []
@@ -326,8 +282,8 @@ def test_the_flange_looks_out_along_x(frames: str, convention: Convention) -> No
     )
     robot = alpha_swap(table, AlphaSwapOptions(frames=frames))
     q = [0.3, -0.7, 1.1]
-    last = dh_product(replace(table, tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))), q)
-    expected = last @ placed((0, 0, 0), (0, -math.pi / 2, -math.pi / 2))
+    last = table_pose(replace(table, tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))), q)
+    expected = last @ turn((0, 0, 1), -math.pi / 2) @ turn((0, 1, 0), -math.pi / 2)
     np.testing.assert_allclose(tree_pose(robot, q, "flange"), expected, atol=1e-14)
     np.testing.assert_allclose(expected[:3, 0], last[:3, 2], atol=1e-15)
 

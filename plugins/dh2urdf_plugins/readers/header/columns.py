@@ -17,7 +17,7 @@ from dh2urdf.quantities import Dimension, QuantityError, Unit, evaluate, find_un
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, listed, shown
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.header_rows import headers_in
-from dh2urdf_plugins.readers.header.words import Header, bounds_theta, misspelt, read_header
+from dh2urdf_plugins.readers.header.words import Header, misspelt, read_header
 from dh2urdf_plugins.readers.words.fields import (
     FIELDS,
     IGNORED,
@@ -25,7 +25,6 @@ from dh2urdf_plugins.readers.words.fields import (
     flip_of,
     key_of,
     keys_in,
-    parts_of,
     unheld,
     vocabulary,
     words_in,
@@ -99,11 +98,11 @@ class Columns:
     @property
     def names(self) -> list[str]:
         """The fields that the columns hold, in their order, those that share cells one by one."""
-        return [part for name in self.fields if name for part in parts_of(FIELDS[name])]
+        return [part for name in self.fields if name for part in FIELDS[name].columns]
 
     def header_of(self, name: str) -> str:
         """The header of the column that holds a field."""
-        holding = (k for k, each in enumerate(self.fields) if each and name in parts_of(FIELDS[each]))
+        holding = (k for k, each in enumerate(self.fields) if each and name in FIELDS[each].columns)
         return self.headers[next(holding)]
 
 
@@ -158,12 +157,6 @@ def name_columns(
 ) -> Columns:
     """What headers say.
 
-    Args:
-        headers: the header of each column.
-        marks: the place of each.
-        mark: the place of all of them.
-        convention: the convention that the table, or an option, declares; None where it is not known yet.
-
     Raises:
         TableError: everything that is wrong with them.
     """
@@ -181,7 +174,7 @@ def name_columns(
             columns.ignored.add(index)
         elif header.field:
             problems += [*_measure(columns, header, index), *_other_link(header, text, place)]
-            keys = ("sign",) if header.field.name == "flip" else parts_of(header.field)
+            keys = ("sign",) if header.field.name == "flip" else header.field.columns
             twins = [key for key in keys if first.setdefault(key, index) != index]
             problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
         elif not header.is_known and (near := misspelt(header.key)):
@@ -291,7 +284,7 @@ def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
         return []
     name = measured.name
     problems = [say("header-with-sign", mark, field=name, found=text)] if text.startswith(("-", "−", "–")) else []
-    if bounds_theta(header):
+    if name in ("lower", "upper", "limits") and "theta" in header.key:
         columns.of_theta.add(index)
     faults = []
     for dimension in filter(None, (measured.dimension, measured.linear)) if header.unit else ():
@@ -300,7 +293,7 @@ def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
         except QuantityError as error:
             faults.append(error)
         else:
-            columns.units.update(dict.fromkeys(parts_of(measured), unit))
+            columns.units.update(dict.fromkeys(measured.columns, unit))
             return problems
     if measured.dimension is Dimension.NUMBER:
         if faults and is_unit(header.unit or ""):  # and no remark: `sign [+-1]`

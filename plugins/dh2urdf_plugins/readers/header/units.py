@@ -136,12 +136,7 @@ def group_of(name: str) -> tuple[str, ...]:
 
 
 def table_units(stated: Mapping[Dimension, Unit], columns: Columns | None = None) -> Units:
-    """The units of the bare numbers of a table.
-
-    Args:
-        stated: what the table and the options declare.
-        columns: its headers, where it has some.
-    """
+    """The units of the bare numbers of a table."""
     headers, fields = (columns.units, columns.fields) if columns else ({}, [])
     known, doubts = dict(stated), dict[str, Doubt]()
     for dimension, names in _GEOMETRY.items():

@@ -177,11 +177,6 @@ def _named(plain: str) -> Header:
     return header
 
 
-def bounds_theta(header: Header) -> bool:
-    """Whether a header of limits calls them bounds of theta: ``theta_min``."""
-    return header.field is not None and header.field.name in ("lower", "upper", "limits") and "theta" in header.key
-
-
 # --- Words around a header, and slips of the pen ----------------------------------------------------------------------
 
 
@@ -222,12 +217,9 @@ def misspelt(key: str) -> Field | None:
         return None
     written = {name: _cores(key, name) | {key.removesuffix("i")} for name in FIELDS}  # `tehta_i`
     for word, field in header_fields().items():
-        least = _SURE if word == field.name else _LONG
-        if len(word) >= least and any(one_slip(each, word) or _is_shuffled(each, word) for each in written[field.name]):
-            return field
+        least, letters = _SURE if word == field.name else _LONG, sorted(word)
+        for each in written[field.name] if len(word) >= least else ():
+            is_shuffled = len(word) > _SURE and each[:1] == word[:1] and each != word and sorted(each) == letters
+            if is_shuffled or one_slip(each, word):
+                return field
     return None
-
-
-def _is_shuffled(key: str, word: str) -> bool:
-    """Whether a longer word has the letters of another, the first one in its place."""
-    return len(word) > _SURE and key[:1] == word[:1] and key != word and sorted(key) == sorted(word)

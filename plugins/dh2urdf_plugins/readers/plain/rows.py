@@ -268,12 +268,7 @@ def _count(cells: Sequence[str]) -> bool:
 
 
 def _forms(words: Sequence[Sequence[object]], sizes: Sequence[int]) -> Iterator[tuple[Sequence[int], Sequence[Rows]]]:
-    """Manipulators that differ in numbers only: which these are, and where each of their rows is among all rows.
-
-    Args:
-        words: what rows say besides numbers, by column.
-        sizes: how many rows each manipulator has.
-    """
+    """Manipulators that differ in numbers only: which these are, and where each of their rows is among all rows."""
     size, count = sizes[0], len(sizes)
     if [size] * count == sizes and all(list(each) == list(each[:size]) * count for each in words):
         yield range(count), [slice(row, None, size) for row in range(size)]

@@ -34,7 +34,6 @@ _PAIR = rf"(?i)({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-
 _DASHED = r"([+-]?\s*[0-9][^+–—-]*)[–—-]\s*([0-9][^+–—-]*)"
 _NAMED_PART = r"(?i)([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)"
 _BEFORE_NAME = r"(?i),(?=\s*[a-z_]+\s*[:=])"
-"""A comma between parts that are named; any other one is a decimal sign."""
 _DIAGONAL = r"(?i)diag\s*[(\[]([^()\[\]]*)[)\]]"
 _UNIT_AT_END = r"[\d.)\]}iIπ]\s*([^\W\d]+[\w·/²*^]*|°)\s*$"
 PARTS = {"min": "lower", "max": "upper", "lower": "lower", "upper": "upper", "x": "com_x", "y": "com_y", "z": "com_z"}
@@ -48,14 +47,9 @@ say = Messages(__file__)
 def split_cell(
     field: Field, text: str, mark: Mark | None = None, *, joint: str | None = None, decimal_comma: bool = False
 ) -> dict[str, str] | Problem:
-    """The texts of the fields that a cell holds; none where it is empty.
+    """The texts of the fields that a cell holds, or what is wrong with it; none where it is empty.
 
-    Args:
-        field: the field of the cell, which has parts.
-        text: the cell.
-        mark: its place, for what is wrong with it.
-        joint: the name of the row's joint, for the same.
-        decimal_comma: whether a comma may stand for the decimal point, and so separates only with a space behind it.
+    A decimal comma separates only with a space behind it.
     """
     about: dict[str, Any] = {"mark": mark, "joint": joint, "field": field.name, "found": text}
     plain = text.replace("−", "-").strip()

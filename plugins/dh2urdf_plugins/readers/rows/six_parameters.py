@@ -53,10 +53,6 @@ def with_four_parameters(manipulator: Manipulator, extras: Mapping[str, Extra]) 
     """The table with a fixed row for each β that is not 0, and for each pair of γ and b.
 
     The base takes γ and b of the first row, the tool takes β of the last one: neither needs a row.
-
-    Args:
-        manipulator: the table without them.
-        extras: what rows have besides, by the names of their joints; none where all of it is 0.
     """
     if not extras:
         return manipulator

@@ -110,6 +110,11 @@ class Field:
         return (self.linear if slides else None) or self.dimension or Dimension.NUMBER
 
     @property
+    def columns(self) -> tuple[str, ...]:
+        """The fields that a column of it gives: itself, or those that share its cells."""
+        return self.parts or (self.name,)
+
+    @property
     def _section(self) -> dict[str, str]:
         fields: dict[str, dict[str, str]] = vocabulary()["fields"]
         return fields.get(self.name) or fields.get(_AXES.get(self.name, ""), {"en": self.name})
@@ -167,11 +172,6 @@ GROUPS = {name: each for name, each in FIELDS.items() if each.parts}
 def header_fields() -> dict[str, Field]:
     """The field of each header in every language, by the header's key."""
     return {key: each for each in FIELDS.values() for word in each.words for key in keys_of(word)}
-
-
-def parts_of(field: Field) -> tuple[str, ...]:
-    """The fields that a column of a field gives: itself, or those that share its cells."""
-    return field.parts or (field.name,)
 
 
 # --- Headers that are no field ----------------------------------------------------------------------------------------

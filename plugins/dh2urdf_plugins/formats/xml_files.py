@@ -15,7 +15,7 @@ from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind
 from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JOINT_TYPES, JointType, new_limits
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Origin, Sphere, new_collision, new_visual
-from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform
+from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform, rotation_from_quaternion
 from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.robot import Collision, Geometry, Material, Robot, Visual
+    from dh2urdf.rotations import Rotation
 
 say = Messages(__file__)
 
@@ -190,6 +191,13 @@ class FileElements:
                 return numbers[:count]
         accepted = "one finite number" if count == 1 else f"{count} finite numbers with spaces between them"
         raise self.error(element, "numbers-wrong", name=name, tag=element.tag, text=text, accepted=accepted)
+
+    def quaternion(self, element: etree._Element, quaternion: Sequence[float]) -> Rotation:
+        """The rotation of a quaternion (x, y, z, w) that an element has."""
+        try:
+            return rotation_from_quaternion(quaternion)
+        except ZeroDivisionError:
+            raise self.error(element, "quaternion-of-length-0", tag=element.tag) from None
 
     def not_read(self, element: etree._Element, what: str) -> None:
         """Notes that an element cannot be read."""

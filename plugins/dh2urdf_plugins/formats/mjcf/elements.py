@@ -29,7 +29,6 @@ from dh2urdf.rotations import (
     dot,
     multiply,
     norm,
-    rotation_from_quaternion,
     scale,
     subtract,
 )
@@ -172,10 +171,7 @@ class Elements(FileElements):
         x, y, z, *rest = numbers
         match name:
             case "quat":
-                try:
-                    return rotation_from_quaternion((y, z, rest[0], x))
-                except ZeroDivisionError:
-                    raise self.error(element, "quaternion-of-length-0", tag=element.tag) from None
+                return self.quaternion(element, (y, z, rest[0], x))
             case "axisangle":
                 return axis_rotation(self._unit(element, name, (x, y, z)), rest[0] * self.angle)
             case "xyaxes":

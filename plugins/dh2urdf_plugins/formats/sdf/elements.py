@@ -12,7 +12,7 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_quaternion
+from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf_plugins.formats.xml_files import FileElements
 
 if TYPE_CHECKING:
@@ -61,10 +61,7 @@ class SdfElements(FileElements):
             return _HERE
         if pose.get("rotation_format") == "quat_xyzw":
             x, y, z, *quaternion = self.read(element, "pose", text, 7)
-            try:
-                return Origin.of(RigidTransform(rotation_from_quaternion(quaternion), (x, y, z)))
-            except ZeroDivisionError:
-                raise self.error(element, "quaternion-of-length-0", tag=element.tag) from None
+            return Origin.of(RigidTransform(self.quaternion(element, quaternion), (x, y, z)))
         x, y, z, roll, pitch, yaw = self.read(element, "pose", text, 6)
         if is_true(pose.get("degrees")):
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)

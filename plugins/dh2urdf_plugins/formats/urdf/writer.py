@@ -81,27 +81,16 @@ class Notation:
         """Angles [rad], each with the formula that it follows."""
         return self.numbers(angles)
 
-    def limit(self, joint: Joint, name: str, value: float) -> str:
-        """A limit of a joint: lower, upper, velocity or effort."""
-        is_angle = joint.type is not JointType.PRISMATIC and name != "effort"
+    def number_of_joint(self, joint: Joint, name: str, value: float) -> str:
+        """A number of a joint: lower, upper, velocity, effort, damping or friction."""
+        is_angle = joint.type is not JointType.PRISMATIC and name in ("lower", "upper", "velocity")
         return self.angles((value,)) if is_angle else self.numbers((value,))
 
-    def resistance(self, _joint: Joint, _name: str, value: float) -> str:
-        """The damping or the friction of a joint."""
-        return self.numbers((value,))
-
-    def mass(self, _link: str, inertial: Inertial) -> str:
-        """The mass of a link."""
-        return self.numbers((inertial.mass,))
-
-    def com(self, _link: str, inertial: Inertial) -> str:
-        """The centre of mass of a link."""
-        return self.numbers(inertial.com)
-
-    def inertia(self, _link: str, inertial: Inertial) -> dict[str, str]:
-        """The inertia of a link by the names of its elements."""
+    def body(self, _link: str, inertial: Inertial) -> dict[str, str]:
+        """The centre of mass, the mass and the elements of the inertia of a link, by their names."""
+        com, mass = self.numbers(inertial.com), self.numbers((inertial.mass,))
         texts = self.numbers(getattr(inertial.inertia, name) for name in INERTIA)
-        return dict(zip(INERTIA, texts.split(" "), strict=True))
+        return {"com": com, "mass": mass, **dict(zip(INERTIA, texts.split(" "), strict=True))}
 
 
 def urdf_tree(
@@ -151,10 +140,10 @@ def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
 
 def append_inertial(parent: etree._Element, link: str, inertial: Inertial, notation: Notation) -> None:
     """Appends the mass properties of a link."""
-    element = etree.SubElement(parent, "inertial")
-    etree.SubElement(element, "origin", {"xyz": notation.com(link, inertial), "rpy": "0 0 0"})
-    etree.SubElement(element, "mass", {"value": notation.mass(link, inertial)})
-    etree.SubElement(element, "inertia", notation.inertia(link, inertial))
+    element, numbers = etree.SubElement(parent, "inertial"), notation.body(link, inertial)
+    etree.SubElement(element, "origin", {"xyz": numbers.pop("com"), "rpy": "0 0 0"})
+    etree.SubElement(element, "mass", {"value": numbers.pop("mass")})
+    etree.SubElement(element, "inertia", numbers)
 
 
 def append_comment(parent: etree._Element, text: str) -> None:
@@ -210,7 +199,7 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
         etree.SubElement(element, "axis", {"xyz": notation.numbers(joint.axis)})
         etree.SubElement(element, "limit", _limits(joint, notation))
     dynamics = {
-        name: notation.resistance(joint, name, value)
+        name: notation.number_of_joint(joint, name, value)
         for name, value in (("damping", joint.damping), ("friction", joint.friction))
         if value is not None
     }
@@ -226,7 +215,7 @@ def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
         if value is None:
             about = {"joint": joint.name, "field": f"limits.{name}", "type": joint.type.value, "name": name}
             raise EmitterError(say("limit-needed", joint.mark, **about))
-        attributes[name] = notation.limit(joint, name, value)
+        attributes[name] = notation.number_of_joint(joint, name, value)
     return attributes
 
 

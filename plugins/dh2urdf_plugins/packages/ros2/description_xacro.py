@@ -72,26 +72,18 @@ class _PackageNotation(XacroNotation):
     def __init__(self, robot: Robot) -> None:
         super().__init__(robot.parameters if follows_whole_table(robot) else ())
 
-    def limit(self, joint: Joint, name: str, value: float) -> str:  # noqa: ARG002 - it is in the file
-        return f"${{limits['{joint.name}']['{LIMIT_KEYS[name]}']}}"
-
-    def resistance(self, joint: Joint, name: str, value: float) -> str:  # noqa: ARG002
+    def number_of_joint(self, joint: Joint, name: str, value: float) -> str:  # noqa: ARG002 - it is in a file
+        if name in LIMIT_KEYS:
+            return f"${{limits['{joint.name}']['{LIMIT_KEYS[name]}']}}"
         return f"${{physical['joints']['{joint.name}']['{name}']}}"
 
-    def mass(self, link: str, inertial: Inertial) -> str:
+    def body(self, link: str, inertial: Inertial) -> dict[str, str]:
         if not inertial.mass:
-            return super().mass(link, inertial)
-        return f"${{physical['links']['{link}']['mass']}}"
-
-    def com(self, link: str, inertial: Inertial) -> str:
-        if not inertial.mass:
-            return super().com(link, inertial)
-        return " ".join(f"${{physical['links']['{link}']['com'][{place}]}}" for place in range(3))
-
-    def inertia(self, link: str, inertial: Inertial) -> dict[str, str]:
-        if not inertial.mass:
-            return super().inertia(link, inertial)
-        return {name: f"${{physical['links']['{link}']['inertia']['{name}']}}" for name in INERTIA}
+            return super().body(link, inertial)
+        of_link = f"physical['links']['{link}']"
+        com = " ".join(f"${{{of_link}['com'][{place}]}}" for place in range(3))
+        inertia = {name: f"${{{of_link}['inertia']['{name}']}}" for name in INERTIA}
+        return {"com": com, "mass": f"${{{of_link}['mass']}}", **inertia}
 
 
 def macro_file(kind: Kind, package: str) -> bytes:

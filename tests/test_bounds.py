@@ -111,7 +111,7 @@ def test_a_header_has_a_thousand_columns(read: Callable[..., Manipulator]) -> No
     """Hundreds of columns that nothing is called are left out, with one notice; more are refused, and a long header."""
     columns = MAX_COLUMNS - len(("a", "alpha", "d"))
     (notice,) = read(f"a,alpha,d{',comment' * columns}\n1,0,0{',x' * columns}\n").notices
-    assert "are left out" in notice.message
+    assert notice.code == "columns-left-out"
     with pytest.raises(TableError, match=r"the header has 1,001 columns\n *accepted: at most 1,000 columns"):
         read(f"a,alpha,d{',comment' * (columns + 1)}\n1,0,0{',' * (columns + 1)}\n")
     with pytest.raises(TableError, match=f"at most {MAX_HEADER} characters"):

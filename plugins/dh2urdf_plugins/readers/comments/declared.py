@@ -296,13 +296,7 @@ def declare(
     """Takes what sentences declare where nothing else does; refuses what contradicts the table.
 
     One notice names all sentences of which something is taken. A line that says nothing but the convention is as good
-    as a key, and has none.
-
-    Args:
-        sentences: those of the table.
-        statements: what the table and the options declare.
-        add: what takes the problems.
-        by_row: whether each row has its convention.
+    as a key, and has none. By row, each row has its convention.
     """
     taken: dict[str, list[str]] = {}
     headers = statements.columns.units.values() if statements.columns else ()

@@ -57,14 +57,7 @@ say = Messages(__file__)
 
 
 class _Line(NamedTuple):
-    """A line above the rows.
-
-    Attributes:
-        number: counted from 1.
-        text: the line, or several where a cell in quotes runs over them.
-        end: how many lines end with it.
-        comment: whether it begins as a comment does.
-    """
+    """A line above the rows, or several where a cell in quotes runs over them: its number, and how many end with it."""
 
     number: int
     text: str
@@ -292,11 +285,14 @@ class CsvRows:
     def _mark(self, number: int) -> Mark:
         return Mark(file=self.file, line=number)
 
-    def _cells(self, line: str, number: int) -> CellRow:
-        """The cells of a line above the rows."""
-        cells, starts = split(line, self.delimiter), _starts_of(line, self.delimiter)
+    def _placed(self, cells: Sequence[str], number: int, starts: Sequence[int]) -> CellRow:
+        """Cells that start in some columns; those without one are where a cell goes on in the next line."""
         places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
         return CellRow(cells, self._mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
+
+    def _cells(self, line: str, number: int) -> CellRow:
+        """The cells of a line above the rows."""
+        return self._placed(split(line, self.delimiter), number, _starts_of(line, self.delimiter))
 
     def places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
         """The lines of rows."""
@@ -313,11 +309,10 @@ class CsvRows:
             self.quoted.popleft()
         if self.quoted and self.quoted[0][0] == key:
             starts = _starts_of(self.quoted[0][1], self.delimiter)
-            starts += starts[-1:] * (len(texts) - len(starts))  # where a cell goes on in the next line
         else:
             ends = accumulate(len(cell) + 1 for cell in texts)
             starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, texts, strict=True)]
-        row = CellRow(texts, self._mark(key), [Mark(file=self.file, line=key, column=start) for start in starts])
+        row = self._placed(texts, key, starts)
         return row, self._problems(row, texts, number)
 
     def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:

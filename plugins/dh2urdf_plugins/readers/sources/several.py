@@ -53,13 +53,9 @@ def starts_table(row: CellRow) -> bool:
 
 
 def one_table(rows: Iterable[CellRow], number: int) -> Iterator[CellRow]:
-    """The rows of one of several tables below each other.
+    """The rows of one of several tables below each other, which are counted from 1.
 
     What is above the first header holds for every table, unless the lines above a table's own header say it.
-
-    Args:
-        rows: the rows of all of them.
-        number: which one, from 1.
     """
     top: list[CellRow] = []
     held: list[CellRow] = []  # rows without a number, which a header may follow

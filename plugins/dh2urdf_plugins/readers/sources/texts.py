@@ -64,12 +64,7 @@ say = Messages(__file__)
 
 
 class TextTable(NamedTuple):
-    """A table of a text.
-
-    Attributes:
-        rows: its rows, from the top.
-        around: the lines around it.
-    """
+    """A table of a text: its rows from the top, and the lines around it as comments."""
 
     rows: list[CellRow]
     around: list[CellRow]

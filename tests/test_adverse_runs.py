@@ -15,8 +15,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system import load
 from dh2urdf.running.run import load_plan
-from dh2urdf.tasks.batch import items
-from dh2urdf.tasks.batch_sizes import Expected
+from dh2urdf.tasks.batch import Expected, items
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -22,8 +22,7 @@ from dh2urdf.source import Mark, Messages, Problem, listed, shown
 from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
-from dh2urdf.tasks.batch import items
-from dh2urdf.tasks.batch_sizes import Expected
+from dh2urdf.tasks.batch import Expected, items
 from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of

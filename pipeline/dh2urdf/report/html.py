@@ -28,9 +28,8 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure
-from dh2urdf.report.manifest import tables_of
+from dh2urdf.report.manifest import plain_options, tables_of
 from dh2urdf.report.overview import MOST_DRAWN, checks
-from dh2urdf.report.reproduction import plain_options
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
 

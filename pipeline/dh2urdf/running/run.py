@@ -18,9 +18,8 @@ from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
 from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.isolation.process import this_process
-from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, earlier_rows, next_journal
+from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, clear_leftovers, earlier_rows, next_journal
 from dh2urdf.output.layouts import Form
-from dh2urdf.output.leftovers import clear_leftovers
 from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.output.whole_files import reporting_the_disk
 from dh2urdf.plugin_system.attribution import unmarked
@@ -33,11 +32,12 @@ from dh2urdf.report.manifest import (
     TIMING,
     ManifestWriter,
     can_write_html,
+    command_line,
+    reproduction,
     run_report,
     write_reports,
     write_timing,
 )
-from dh2urdf.report.reproduction import command_line, reproduction
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
@@ -47,9 +47,8 @@ from dh2urdf.source import Messages, printable
 from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
 from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
-from dh2urdf.tasks.batch import Batch, Doomed, batches
+from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
 from dh2urdf.tasks.batch_report import BatchReport, Result
-from dh2urdf.tasks.batch_sizes import Expected
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterator, Sequence

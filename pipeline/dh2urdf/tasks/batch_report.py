@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.output.leftovers import Leftovers
+from dh2urdf.output.journal import Leftovers
 from dh2urdf.source import Problem, in_file_order
 
 if TYPE_CHECKING:

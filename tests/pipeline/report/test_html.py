@@ -31,9 +31,8 @@ pytest.importorskip("matplotlib")
 
 from dh2urdf.report.figures import Workspace, arm_skeleton
 from dh2urdf.report.html import page
-from dh2urdf.report.manifest import EXAMPLES, FULL, ManifestWriter, write_reports
+from dh2urdf.report.manifest import EXAMPLES, FULL, ManifestWriter, reproduction, write_reports
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
-from dh2urdf.report.reproduction import reproduction
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

@@ -16,8 +16,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsInColumns, Rejected
-from dh2urdf.tasks.batch import Batch, Doomed, batches
-from dh2urdf.tasks.batch_sizes import Expected
+from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
 from dh2urdf.testing.stage_contract import difference
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ import dh2urdf
 from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
-from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.batch_sizes import LARGE, Expected
+from dh2urdf.tasks.batch import LARGE, Expected, batches
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -24,8 +24,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.run_file.variation_section import LAWS
 from dh2urdf.source import Mark, Problem
-from dh2urdf.tasks.batch import batches
-from dh2urdf.tasks.batch_sizes import Expected
+from dh2urdf.tasks.batch import Expected, batches
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling

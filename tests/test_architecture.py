@@ -424,7 +424,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 8040,
     "plugins/dh2urdf_plugins/transforms": 2280,
     "plugins/dh2urdf_plugins/xacro_fence": 760,
-    "plugins/dh2urdf_studio": 7100,
+    "plugins/dh2urdf_studio": 7090,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

@@ -78,28 +78,6 @@ def slow(tab: Any) -> Iterator[tuple[Any, Network]]:
     tab.page.close()  # what it holds back is for these tests only
 
 
-@pytest.mark.parametrize(
-    ("key", "row", "joint"),
-    [("Delete", 3, "wrist_2_joint"), ("Insert", 3, "elbow_joint"), ("ArrowUp", 1, "shoulder_pan_joint")],
-)
-def test_a_cell_is_typed_in_the_row_that_is_on_the_screen(
-    slow: tuple[Any, Network], key: str, row: int, joint: str
-) -> None:
-    """Rows that were removed, added or moved before it have gone to their places; the text went into another row."""
-    tab, network = slow
-    tab.cell(1, "d").click()
-    network.hold()
-    tab.page.keyboard.press(f"Alt+{key}")
-    network.wait_for("dhGrid.fill")
-    assert tab.cells(row, "joint") == [joint]
-    tab.type_into(row, "a", "9.9")
-    network.release()
-    tab.wait_for_cells(row, joint=joint, a="9.9")
-    tab.settle()
-    tab.page.reload()
-    tab.wait_for_cells(row, joint=joint, a="9.9")
-
-
 UR5 = [
     [f"{joint}_joint", a] for joint, a in {"shoulder_pan": "0", "shoulder_lift": "-0.425", "elbow": "-0.39225"}.items()
 ] + [[f"wrist_{number}_joint", "0"] for number in "123"]

@@ -102,13 +102,10 @@ class _Pieces:
             if part.mesh not in self._surfaces:
                 self._surfaces[part.mesh] = list(surfaces(part.mesh))
             for number, (own, surface) in enumerate(self._surfaces[part.mesh]):
+                rgba = own or (1.0, 1.0, 1.0, 1.0)
                 if not (part.own_colours and (own or surface.texture)):
-                    bare = surface._replace(uv=None, texture=None)
-                    yield self._mesh(f"{part.mesh.key} {number}", bare, (*part.colour, part.opacity)), matrix
-                else:
-                    red, green, blue, alpha = own or (1.0, 1.0, 1.0, 1.0)
-                    rgba = (red, green, blue, alpha * part.opacity)
-                    yield self._mesh(f"{part.mesh.key} {number}", surface, rgba), matrix
+                    surface, rgba = surface._replace(uv=None, texture=None), (*part.colour, 1.0)  # noqa: PLW2901 - bare
+                yield self._mesh(f"{part.mesh.key} {number}", surface, (*rgba[:3], rgba[3] * part.opacity)), matrix
             return
         ((_, surface),) = self._surfaces[part.shape]
         if part.shape == "frame":

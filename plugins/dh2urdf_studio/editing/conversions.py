@@ -224,25 +224,16 @@ def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableT
         return converted
     one, other = (table_text(each, converted.length_unit, converted.angle_unit) for each in (now, was))
     ends = {name: getattr(old, name) for name in _ENDS if getattr(one, name) == getattr(other, name)}
-    rows = zip(now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True)
-    typed = replace(converted, **ends, rows=tuple(_typed_row(row.type, *texts) for row, *texts in rows))
-    return _readable(typed, history.table, catalog)
-
-
-def _typed_row(
-    kind: JointType,
-    row: Mapping[str, str],
-    old: Mapping[str, str],
-    numbers: Mapping[str, str],
-    old_numbers: Mapping[str, str],
-) -> Mapping[str, str]:
-    """A converted row with the old text of each quantity that is the same number."""
-    quantities = {field for field in FIELDS if field in _MASS_FIELDS or dimension_of(field, kind) is not None}
-    others = {field for field in FIELDS if not _is_same(numbers.get(field), old_numbers.get(field))}
-    if others & _VARIABLE_FIELDS:
-        others |= _VARIABLE_FIELDS
-    texts = {field: (old if field in quantities - others else row).get(field, "") for field in FIELDS}
-    return {field: text for field, text in texts.items() if text}
+    rows = []
+    for row, new, before, number, old_number in zip(
+        now.rows, converted.rows, old.rows, one.rows, other.rows, strict=True
+    ):
+        others = {field for field in FIELDS if not _is_same(number.get(field), old_number.get(field))}
+        others |= _VARIABLE_FIELDS if others & _VARIABLE_FIELDS else set()
+        quantities = {field for field in FIELDS if field in _MASS_FIELDS or dimension_of(field, row.type) is not None}
+        texts = {field: (before if field in quantities - others else new).get(field, "") for field in FIELDS}
+        rows.append({field: text for field, text in texts.items() if text})
+    return _readable(replace(converted, **ends, rows=tuple(rows)), history.table, catalog)
 
 
 def _is_same(one: str | None, other: str | None) -> bool:

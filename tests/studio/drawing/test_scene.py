@@ -51,7 +51,7 @@ def test_links_and_frames_stand_where_the_table_has_them(reference_robot: Refere
 
 
 def test_strokes_are_the_parameters(reference_robot: ReferenceRobot, catalog: Catalog) -> None:
-    """a and d lead from frame to frame along x and z; α turns z and θ turns x into that of the next frame, the right way."""
+    """A and d lead from frame to frame along x and z; α turns z and θ turns x into that of the next frame, the right way."""
     arm = reference_robot.manipulator
     drawing = Drawing.of([figure(arm, catalog)])
     values = {row.joint: 0.1 * number + 0.2 for number, row in enumerate(arm.moving_rows)}

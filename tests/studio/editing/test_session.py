@@ -22,11 +22,6 @@ def session(catalog: Catalog) -> Session:
     return Session(catalog, gallery_table("ur5.csv", catalog))
 
 
-def pose_of(session: Session, name: str) -> np.ndarray:
-    names = [node.name for node in session.drawing.nodes]
-    return as_matrices(session.drawing.poses(session.joint_values())[names.index(name)])
-
-
 def test_no_arm_is_left_of_another_table(session: Session) -> None:
     """Rows in which nothing stands yet are nobody's arm: the last good one is not shown for them."""
     for row in range(6):
@@ -102,14 +97,6 @@ def test_a_joint_that_is_renamed_stays_where_it_is(session: Session) -> None:
     session.undo()
     session.undo()
     assert (session.pose, session.q[first], session.q[second]) == (pose, 0.5, 0.25)
-
-
-def test_the_pose_is_the_dh_product(session: Session) -> None:
-    """The numbers, the link and the DH frame on the screen are one pose."""
-    session.move({name: 0.3 * number for number, name in enumerate(session.q)})
-    assert session.pose is not None
-    assert np.allclose(pose_of(session, "tool0"), as_matrices(session.pose), atol=1e-12)
-    assert np.allclose(pose_of(session, "frame 6"), as_matrices(session.pose), atol=1e-12)
 
 
 def test_the_paper_stands_beside_the_arm(session: Session) -> None:

@@ -141,14 +141,6 @@ class TestLists:
 
 
 class TestMessages:
-    def test_of_a_broken_plugin(self) -> None:
-        """It names the plugin, the distribution, the reason and what to do; it has no traceback."""
-        error = BrokenPluginError("lab = lab.plugin", "lab 1.0", "OSError: gone", "Traceback …")
-        assert str(error) == (
-            "plugin 'lab = lab.plugin' of lab 1.0 is broken: OSError: gone; `--debug` shows where; "
-            "tell the authors of lab 1.0, or leave it out: `--without lab`"
-        )
-
     def test_of_a_dependency_that_lacks_a_library(self) -> None:
         """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
         lacks = ImportError("libglib-2.0.so.0: cannot open\nshared object file")
@@ -162,18 +154,3 @@ class TestMessages:
         assert str(MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", absent)).endswith(
             f"needs drake: {sys.executable} -m pip install 'dh2urdf[drake]'"
         )
-
-    def test_of_a_conflict(self) -> None:
-        """It names the stage, both distributions, how to say which is meant, and how to do without one."""
-        error = StageConflictError("reader", "csv", ["one 1.0", "two 1.0"])
-        assert str(error) == (
-            "reader 'csv' is claimed by one 1.0 and by two 1.0; say which is meant: one:csv or two:csv; or leave one of "
-            "the plugins out: `--without NAME`"
-        )
-
-    def test_of_a_failed_stage_of_a_plugin(self) -> None:
-        """It names the distribution with its version, and the plugin whose authors should hear of it."""
-        error = StageError("emitter 'usd'", "KeyError: 'x'", plugin="lab = lab.plugin", distribution="lab 1.0")
-        assert str(error).startswith("error: emitter 'usd' of lab 1.0 failed: KeyError: 'x'")
-        assert "tell the authors of lab 1.0 (plugin 'lab = lab.plugin')" in str(error)
-        assert (error.plugin, error.distribution) == ("lab = lab.plugin", "lab 1.0")

@@ -120,9 +120,6 @@ def test_without_pinocchio_the_error_names_the_extra(tmp_path: Path) -> None:
     command = [sys.executable, "-c", code]
     failed = subprocess.run([*command, tmp_path / "two.urdf"], capture_output=True, text=True, check=False)
     assert failed.returncode == 3
-    assert (
-        f"the search for collision pairs needs pin: {sys.executable} -m pip install 'dh2urdf[pinocchio]'"
-        in failed.stderr
-    )
+    assert "dh2urdf[pinocchio]" in failed.stderr
     helped = subprocess.run([*command, "--help"], capture_output=True, text=True, check=True)
     assert "MoveIt" in helped.stdout

@@ -58,9 +58,7 @@ class TestDependingOn:
         """What was asked of which stage of which plugin."""
         with pytest.raises(BrokenPluginError) as caught, depending_on(CALL, "require"):
             fail(KeyError("colour"))
-        assert str(caught.value).startswith(
-            "plugin 'lab = lab.plugin' of lab 1.0 is broken: `require` of the emitter 'usd' failed: KeyError: 'colour'; "
-        )
+        assert caught.value.reason == "`require` of the emitter 'usd' failed: KeyError: 'colour'"
         assert "in fail" in caught.value.traceback
 
     def test_what_the_host_raises_within_is_its_own(self) -> None:

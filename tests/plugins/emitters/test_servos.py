@@ -75,36 +75,6 @@ def test_published_arms_follow_a_step_from_anywhere(reference_robot: Any) -> Non
     check_steps(model)
 
 
-def seven_axes() -> Manipulator:
-    """An upright arm with the efforts of a data sheet and the masses of its shapes: joint A1 turns next to nothing."""
-    rows = [
-        (*("A1", -90, 0.34, 170, 320), *("A2", 90, 0.0, 120, 320), *("A3", 90, 0.4, 170, 176)),
-        (*("A4", -90, 0.0, 120, 176), *("A5", -90, 0.4, 170, 110), *("A6", 90, 0.0, 120, 40)),
-        ("A7", 0, 0.126, 175, 40),
-    ]
-    numbers = [number for row in rows for number in row]
-    return Manipulator(
-        name="seven",
-        convention=Convention.STANDARD,
-        rows=tuple(
-            DHRow(
-                joint=name,
-                link=f"link_{name}",
-                a=0.0,
-                alpha=math.radians(alpha),
-                d=d,
-                limits=Limits(lower=-math.radians(limit), upper=math.radians(limit), effort=float(effort)),
-            )
-            for name, alpha, d, limit, effort in zip(*(numbers[k::5] for k in range(5)), strict=True)
-        ),
-    )
-
-
-def test_an_upright_arm_follows_a_step() -> None:
-    """A joint that turns little at home and a lot elsewhere."""
-    check_steps(model_of(robot_of(seven_axes())))
-
-
 @pytest.mark.parametrize("cell", ["ur5_on_track", "pair"])
 def test_cells_follow_a_step(cli: Callable[..., Any], tmp_path: Path, cell: str) -> None:
     """All arms of a cell at once."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Origin
 from dh2urdf.rotations import IDENTITY, RigidTransform
-from dh2urdf_plugins.formats.xml_files import FileElements
+from dh2urdf_plugins.formats.xml_files import D, FileElements
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -67,13 +67,9 @@ class SdfElements(FileElements):
             roll, pitch, yaw = radians(roll), radians(pitch), radians(yaw)
         return Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))
 
-    def number(self, element: etree._Element, path: str, default: float) -> float:
+    def number(self, element: etree._Element, path: str, default: D) -> float | D:
         """A number below an element; the default where there is none."""
-        return self.numbers(element, path, 1, (default,))[0]
-
-    def optional(self, element: etree._Element, path: str) -> float | None:
-        """A number below an element; None where there is none."""
-        return None if element.find(path) is None else self.numbers(element, path, 1)[0]
+        return default if element.find(path) is None else self.numbers(element, path, 1)[0]
 
     def numbers(
         self, element: etree._Element, path: str, count: int, default: Sequence[float] | None = None

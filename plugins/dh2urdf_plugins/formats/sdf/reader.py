@@ -172,8 +172,8 @@ class _Reader(SdfElements):
     def _number(self, field: str, joint: etree._Element) -> float | None:
         """A number; None where there is no word of it, an endless limit, or the −1 of an endless effort or speed."""
         if field not in LIMITS:
-            return self.optional(joint, f"axis/dynamics/{field}")
-        value = self.optional(joint, f"axis/limit/{field}")
+            return self.number(joint, f"axis/dynamics/{field}", None)
+        value = self.number(joint, f"axis/limit/{field}", None)
         if value is None or abs(value) >= UNLIMITED or (value < 0 and field not in BOUNDS):
             return None
         return value

@@ -14,8 +14,6 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.source import Messages, Problem, listed, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.rotations import Vec3
@@ -67,18 +65,13 @@ def check_aliases(robot: Robot) -> None:
 
 def notices_for_coppeliasim(robot: Robot) -> list[Problem]:
     """What CoppeliaSim has otherwise than the table, once the file is imported: limits and names."""
-    notices = [_notice_of_limits(joint) for joint in widened_joints(robot)]
+    notices = []
+    for joint in widened_joints(robot):
+        lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
+        code, width = "coppeliasim-limits-widened", upper - lower
+        notices.append(say(code, joint=joint.name, field="limits", lower=lower, width=width))
     names = [*(joint.name for joint in robot.moving_joints), *(link.name for link in robot.links)]
     if other := [name for name in names if alias(name) != name]:
-        notices.append(say("coppeliasim-other-names", pairs=_pairs(other)))
+        pairs = listed([f"`{alias(name)}` for {shown(name)}" for name in other])
+        notices.append(say("coppeliasim-other-names", pairs=pairs))
     return notices
-
-
-def _notice_of_limits(joint: Joint) -> Problem:
-    lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
-    return say("coppeliasim-limits-widened", joint=joint.name, field="limits", lower=lower, width=upper - lower)
-
-
-def _pairs(names: Iterable[str]) -> str:
-    pairs = [f"`{alias(name)}` for {shown(name)}" for name in names]
-    return listed(pairs)

@@ -21,7 +21,7 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf.stages.load_records import LoadReport, SimulatedArm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Loader
@@ -111,14 +111,11 @@ class Comparison:
             if joint.name not in found:
                 problems.append(self._found("joint-lost", joint=joint.name))
                 continue
-            problems += self._joint(joint, found[joint.name])
+            for key, written in written_joint(joint).items():
+                if key in found[joint.name] and not self._same(value := found[joint.name][key], written):
+                    values = {"found": _shown(value), "written": _shown(written)}
+                    problems.append(self._found("joint-differs", joint=joint.name, field=key, **values))
         return problems
-
-    def _joint(self, joint: Joint, held: Mapping[str, Any]) -> Iterator[Problem]:
-        for key, written in written_joint(joint).items():
-            if key in held and not self._same(held[key], written):
-                values = {"found": _shown(held[key]), "written": _shown(written)}
-                yield self._found("joint-differs", joint=joint.name, field=key, **values)
 
     def _same(self, found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors
         if isinstance(written, tuple):
@@ -218,7 +215,10 @@ class Comparison:
             for tip, allowed in tolerances.items():
                 distance, angle = pose_error(measured[tip], self.request.expected[tip][number])
                 if not (distance <= allowed[0] and angle <= allowed[1]):
-                    raise LoaderError(self._elsewhere(tip, (distance, angle), allowed, q))
+                    off = f"{distance:.3g} m and {angle:.3g} rad"
+                    about = {"q": _shown(tuple(q)), "precision": self.precision.name}
+                    bounds = {"distance": allowed[0], "angle": allowed[1]}
+                    raise LoaderError(self._found("tip-elsewhere", found=off, tip=tip, **about, **bounds))
                 if distance >= worst:
                     worst, q_worst = distance, q
                 worst_angle = max(worst_angle, angle)
@@ -240,20 +240,6 @@ class Comparison:
         chain = len(KinematicChain.between(self.robot, self.robot.root, tip).joints) ** 2 * DOUBLE_PRECISION
         position = (self.precision.position + chain) * reach(self.robot, tip) + _WITHOUT_EXTENT
         return position, self.precision.angle + chain
-
-    def _elsewhere(
-        self, tip: str, found: tuple[float, float], allowed: tuple[float, float], q: Sequence[float]
-    ) -> Problem:
-        off = f"{found[0]:.3g} m and {found[1]:.3g} rad"
-        return self._found(
-            "tip-elsewhere",
-            found=off,
-            tip=tip,
-            q=_shown(tuple(q)),
-            precision=self.precision.name,
-            distance=allowed[0],
-            angle=allowed[1],
-        )
 
 
 def written_joint(joint: Joint) -> dict[str, Any]:

@@ -92,7 +92,10 @@ def _visuals(shape: Visual) -> Iterator[Visual]:
     if shape.material is not None:
         seen = ((None, whole),)
     for rgba, file in seen:
-        yield replace(shape, geometry=_geometry(file), material=_material(rgba) if rgba else shape.material)
+        material = shape.material
+        if rgba:  # A colour has the same name in every mesh and robot.
+            material = Material(name="mesh_" + "".join([f"{round(255 * part):02x}" for part in rgba]), rgba=rgba)
+        yield replace(shape, geometry=_geometry(file), material=material)
 
 
 def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
@@ -106,11 +109,6 @@ def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
 
 def _geometry(file: MeshFile) -> Mesh:
     return Mesh(filename=file_address(file.path), file=file)
-
-
-def _material(rgba: tuple[float, float, float, float]) -> Material:
-    """A material by its colour: the same in every mesh and robot."""
-    return Material(name="mesh_" + "".join([f"{round(255 * part):02x}" for part in rgba]), rgba=rgba)
 
 
 @lru_cache(maxsize=256)

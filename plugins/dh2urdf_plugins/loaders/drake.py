@@ -175,7 +175,10 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     joints = [*map(held.held_joint, held.joints.values())]
     bodies = held.held_bodies(link.name for link in request.robot.links)
     report = comparison.loaded(version("drake"), joints, bodies)
-    _fix_root(held, request.robot.root)
+    # The root is welded to the world, unless the file has it there; a root of the name ``world`` is the world.
+    root, world = held.frame(request.robot.root), held.plant.world_body()
+    if root.body().index() not in {body.index() for body in held.plant.GetBodiesWeldedTo(world)}:
+        held.plant.WeldFrames(held.plant.world_frame(), root)
     _add_motors(held, comparison)
     held.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
     _guarded(comparison, held.plant.Finalize, "cannot compute with the arm")
@@ -201,13 +204,6 @@ def _guarded(comparison: measures.Comparison, call: Callable[[], Any], doing: st
         raise LoaderError(comparison.placed(say("drake-refuses", doing=doing, reason=said))) from error
 
 
-def _fix_root(held: Held, name: str) -> None:
-    """Weld the root to the world, unless the file has it there; a root of the name ``world`` is the world."""
-    root, world = held.frame(name), held.plant.world_body()
-    if root.body().index() not in {body.index() for body in held.plant.GetBodiesWeldedTo(world)}:
-        held.plant.WeldFrames(held.plant.world_frame(), root)
-
-
 def _add_motors(held: Held, comparison: measures.Comparison) -> None:
     """Put a motor on every joint whose effort is above 0, with a stiff spring as its control.
 
@@ -226,13 +222,16 @@ def _add_motors(held: Held, comparison: measures.Comparison) -> None:
 
 def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
     """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
     from pydrake.systems.analysis import Simulator
 
     start = measures.hold_start(comparison.robot)
     targets = comparison.values(start)
     held.put(targets)
     contacts = comparison.overlapping(_overlaps(held))
-    _switch_contacts_off(held)
+    shapes = GeometrySet(held.scene.model_inspector().GetAllGeometryIds())
+    filters = held.scene.collision_filter_manager(held.scene.GetMyMutableContextFromRoot(held.context))
+    filters.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))  # From now on nothing touches.
     for model in held.models:  # Positions, then velocities, in the order of each model's actuators.
         actuators = map(held.plant.get_joint_actuator, held.plant.GetJointActuatorIndices(model))
         if at := [targets[actuator.joint().name()] for actuator in actuators]:
@@ -257,14 +256,6 @@ def _overlaps(held: Held) -> Iterator[tuple[str, str]]:
             frames = [inspector.GetFrameId(shape) for shape in (pair.id_A, pair.id_B)]
             first, second = (str(held.plant.GetBodyFromFrameId(frame).name()) for frame in frames)
             yield first, second
-
-
-def _switch_contacts_off(held: Held) -> None:
-    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
-
-    shapes = GeometrySet(held.scene.model_inspector().GetAllGeometryIds())
-    context = held.scene.GetMyMutableContextFromRoot(held.context)
-    held.scene.collision_filter_manager(context).Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))
 
 
 # --- A file of any origin

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Link, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import PyBulletOptions
@@ -266,13 +266,11 @@ def _touch(held: Held, robot: Robot, first: str, second: str) -> bool:
     """Whether the shapes of two links overlap, by more than Bullet's margins around them."""
     links = held.links[first], held.links[second]
     points = held.bullet.getClosestPoints(held.body, held.body, SEARCHED, *links)
-    margins = sum(_margin(link) for link in robot.links if link.name in {first, second})
+    pair = [link for link in robot.links if link.name in {first, second}]
+    margins = sum(
+        MARGIN for link in pair if not all(isinstance(shape.geometry, Box | Sphere) for shape in link.collisions)
+    )
     return any(-point[8] - margins > measures.OVERLAP for point in points)
-
-
-def _margin(link: Link) -> float:
-    """By how much Bullet thickens the shapes of a link at most [m]."""
-    return max(0.0 if isinstance(shape.geometry, Box | Sphere) else MARGIN for shape in link.collisions)
 
 
 def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> None:

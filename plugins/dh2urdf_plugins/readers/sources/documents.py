@@ -77,7 +77,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         if previous is not None:
             count += 1
             above = [each for each in comments if count == 1 and (each.mark.line or 0) < previous.node.line]
-            yield _manipulator(previous, f"{path.stem}_{count}", options, trace, above)
+            yield read_table(previous, f"{path.stem}_{count}", options, trace, above)
         previous = item
     if previous is None:
         return
@@ -88,7 +88,7 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         first = root.value[0] if isinstance(root.value, list) and root.value else root
         if not root.value or not isinstance(first.value, dict | list):
             raise TableError([*problems, say("no-mapping", root.mark, what=root.describe(), keys=KEYS)])
-        yield _manipulator(previous, path.stem, options, trace, comments)
+        yield read_table(previous, path.stem, options, trace, comments)
         return
     problems += [_unknown_key(root, key, ("robots",)) for key in root.plain() if key != "robots"]
     if not count and not problems:
@@ -98,11 +98,6 @@ def read_documents(path: Path, options: TableOptions, trace: Trace | None = None
         raise TableError(problems)
 
 
-def read_table(item: Item, default_name: str) -> Manipulator | Rejected:
-    """The manipulator of a mapping, or everything that is wrong with it."""
-    return _manipulator(item, default_name, TableOptions())
-
-
 def _comments(text: str, file: str, pattern: str) -> list[CellRow]:
     """The comments that are lines of their own and of a pattern."""
     lines = enumerate(text.splitlines(), start=1) if "#" in text else ()
@@ -110,14 +105,15 @@ def _comments(text: str, file: str, pattern: str) -> list[CellRow]:
     return [CellRow([f"# {match[1]}"], Mark(file=file, line=number)) for number, match in found if match]
 
 
-def _manipulator(
+def read_table(
     item: Item,
     default_name: str,
-    options: TableOptions,
+    options: TableOptions | None = None,
     trace: Trace | None = None,
     comments: Iterable[CellRow] = (),
 ) -> Manipulator | Rejected:
-    """The manipulator of a document, or everything that is wrong with it."""
+    """The manipulator of a mapping, or everything that is wrong with it."""
+    options = options or TableOptions()
     table = Document(item)
     place = item.node.mark
     try:

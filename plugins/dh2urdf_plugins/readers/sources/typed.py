@@ -149,7 +149,7 @@ def _comment(name: str) -> str:
 def _cell(text: str, *, is_name: bool) -> str:
     """A text as a cell, quoted where it has to be.
 
-    No spreadsheet computes a name: OWASP's apostrophe stands before a sign, and `CsvLines` takes it away again.
+    No spreadsheet computes a name: OWASP's apostrophe stands before a sign, and `CsvRows` takes it away again.
     """
     if is_name and text.lstrip("'").startswith(tuple(COMPUTED)):
         text = f"'{text}"

@@ -234,9 +234,7 @@ def plan_key(tmp_path: Path) -> Any:
     "text",
     [
         "transform: {options: {frames: dh}}",
-        "transform: {options: {density: 2701}}",
         "emitters: [urdf, xacro]",
-        "emitters: xacro",
         "loaders: mujoco",
         "proof: {poses: 33}",
         "output: {meshes: file}",

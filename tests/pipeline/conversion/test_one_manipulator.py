@@ -187,7 +187,6 @@ def test_a_transform_that_does_not_keep_the_kinematics_is_measured_and_passes(tm
 @pytest.mark.parametrize(
     ("sample", "members"),
     [
-        (Sample(), range(20)),
         (Sample(first=3, every=5), [0, 1, 2, 5, 10, 15]),
         (Sample(every=7), [0, 7, 14]),
         (Sample(first=20, every=1000), range(20)),

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-    from dh2urdf.output.store import Store
 
 TABLE = "# convention: standard\nrobot,a,alpha,d\n"
 
@@ -47,17 +46,6 @@ def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: li
     assert layout.parts(12) == parts
     assert layout.parts(0) == []
     assert layout.is_whole is (layout.form is Form.SHARDS)
-
-
-def test_a_member_of_a_shard_is_read_at_its_offset(store: Store) -> None:
-    """The manifest says in which shard it is, and where its content begins."""
-    layout = Layout(form=Form.SHARDS, size=2)
-    with layout.place(store, 2) as put:
-        facts = [put(2, "a.urdf", b"<robot/>"), put(3, "b.urdf", b"<robot name='b'/>")]
-        assert store.size("000001.tar") is None
-    assert [fact["path"] for fact in facts] == ["a.urdf", "b.urdf"]
-    contents = [store.read(fact["shard"])[fact["offset"] :][:size] for fact, size in zip(facts, (8, 17), strict=True)]
-    assert contents == [b"<robot/>", b"<robot name='b'/>"]
 
 
 # --- The real run -----------------------------------------------------------------------------------------------------
@@ -96,15 +84,3 @@ def test_a_run_into_shards(cli: Callable[..., Answer], tmp_path: Path, reports: 
                 content = shard.read(file["bytes"])
             if file["stage"] == "urdf":
                 assert content == (tmp_path / "plain" / other["files"][0]["path"]).read_bytes()
-
-
-@pytest.mark.parametrize("workers", [1, 3])
-def test_shards_are_the_same_with_any_number_of_workers(
-    cli: Callable[..., Answer], tmp_path: Path, workers: int
-) -> None:
-    """Byte for byte, on a second run too."""
-    settings = ["output.layout=shards", "output.size=2"]
-    run(cli, tmp_path, *settings, "execution.options.workers=1", out="first")
-    run(cli, tmp_path, *settings, f"execution.options.workers={workers}", out="second")
-    for shard in ("000000.tar", "000001.tar", "000002.tar", "manifest.jsonl"):
-        assert (tmp_path / "first" / shard).read_bytes() == (tmp_path / "second" / shard).read_bytes()

@@ -53,7 +53,6 @@ class TestAddresses:
         [
             ("s3://key:se/cr+et@bucket/a@b", "s3://…@bucket/a@b"),
             ("memory://user:secret@host/a", "memory://…@host/a"),
-            ("memory://user@host/a", "memory://user@host/a"),
             ("memory://bucket/a:b", "memory://bucket/a:b"),
         ],
     )

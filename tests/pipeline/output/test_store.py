@@ -173,11 +173,3 @@ class TestOpenStore:
             assert isinstance(store, LocalStore)
             store.write(f"{number}", b"")
             assert (tmp_path / "out" / f"{number}").is_file()
-
-    def test_opening_makes_nothing(self, tmp_path: Path) -> None:
-        """A run that only looks leaves no folder."""
-        store = open_store(tmp_path / "out")
-        assert list(store.names()) == []
-        assert store.size("a") is None
-        store.remove_tree("a")
-        assert everything(tmp_path) == []

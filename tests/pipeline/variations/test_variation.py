@@ -198,11 +198,6 @@ class TestTables:
         assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.3, 0.3, 0.3))
         assert made_arm.rows[1].inertia is None
 
-    def test_all_joints_are_those_that_have_the_field(self) -> None:
-        """Limits of all joints are those of the joints that move."""
-        (values,) = drawn(variation(rule("effort", UNIFORM), count=1))
-        assert list(values) == ["effort_1", "effort_2", "effort_4"]
-
     @pytest.mark.parametrize(("axes", "rows"), [(1, 1), (2, 3)])
     def test_the_number_of_axes(self, axes: int, rows: int) -> None:
         """The rows before the next axis stay, fixed ones with the axis before them; the tool follows the last."""

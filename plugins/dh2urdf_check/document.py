@@ -18,10 +18,11 @@ DEEPEST = 1000
 """Elements inside each other that are kept; what is deeper is passed over."""
 _ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"']([^\"']+)[\"']", re.IGNORECASE)
 _COMMENT = re.compile(r"(?<=<!--).*?(?=-->)", re.DOTALL)
-_PASSED_OVER = re.compile(r"<\?.*?\?>|<!DOCTYPE(?:[^>\[]|\[.*?\]\s*(?=>))*>", re.DOTALL)
+_INSTRUCTION = re.compile(r"<\?.*?\?>", re.DOTALL)
+_DOCUMENT_TYPE = re.compile(r"<!DOCTYPE[^>\[]*(?:\[.*?\]\s*(?=>))?>", re.DOTALL)
 _NO_LETTER = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _NO_REFERENCE = re.compile(r"&(?!(?:quot|amp|apos|lt|gt|#x[0-9A-Fa-f]{1,6}|#[0-9]{1,7});)")
-_BROKEN_VALUE = re.compile(r"""(?<==)(?:"[^"<>]*[\t\n][^"<>]*"|'[^'<>]*[\t\n][^'<>]*')""")
+_VALUE = re.compile(r"""(?<==)(?:"[^"<>]*"|'[^'<>]*')""")
 _TAB, _BREAK = "\ue009", "\ue00a"
 """What stands for a tab and before a line break in a value: XML makes blanks of them, and readers do not."""
 
@@ -79,7 +80,13 @@ def parse(content: bytes) -> Parsed:
 
 def without_comments(text: str) -> str:
     """A text with blanks in its comments."""
-    return _COMMENT.sub(_blank, text)
+    return _blanked(_COMMENT, "-->", text)
+
+
+def _blanked(pattern: re.Pattern[str], end: str, text: str) -> str:
+    """A text with blanks where a pattern matches; behind its last end no place is searched for one."""
+    cut = text.rfind(end) + len(end)
+    return pattern.sub(_blank, text[:cut]) + text[cut:]
 
 
 def _blank(found: re.Match[str]) -> str:
@@ -100,9 +107,12 @@ def _read_as(content: bytes) -> str:
         raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED_XML}") from None
     is_latin = not encoding.startswith(("utf", "us-", "ascii"))
     text = content.decode("latin-1" if is_latin else "utf-8", "replace").removeprefix("\ufeff")
-    text = _PASSED_OVER.sub(_blank, without_comments(re.sub(r"\r(?!\n)", " ", text)))
+    text = without_comments(re.sub(r"\r(?!\n)", " ", text))
+    text = _blanked(_INSTRUCTION, "?>", text)
+    if found := _DOCUMENT_TYPE.match(text, max(text.find("<!DOCTYPE"), 0)):
+        text = f"{text[: found.start()]}{_blank(found)}{text[found.end() :]}"
     text = _NO_REFERENCE.sub("&amp;", _NO_LETTER.sub(lambda found: " " if found[0] == "\0" else "?", text))
-    return _BROKEN_VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
+    return _VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
 
 
 class _Tree:

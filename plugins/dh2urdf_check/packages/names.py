@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
@@ -32,14 +32,9 @@ _NEAR = 1e-6
 """How far a number may be outside a limit that was rounded."""
 
 
-class _File(NamedTuple):
-    path: Path
-    node: Node
-
-
 def hits(package: Package) -> Iterator[Finding]:
     """What there is to report of them; of joints only where a description can be read."""
-    files: list[_File] = []
+    files: list[Node] = []
     for path in package.files:
         if path.suffix not in {".yaml", ".yml"}:
             continue
@@ -47,15 +42,15 @@ def hits(package: Package) -> Iterator[Finding]:
         if content is None or _TAG.search(content):
             continue
         try:
-            files.append(_File(path, load_yaml(content, str(path), InputError)))
+            files.append(load_yaml(content, str(path), InputError))
         except InputError as error:
             problem = error.problems[0]
             yield broken("package-not-yaml", problem.mark or Mark(file=str(path)), problem.message)
-    controllers = {name for file in files for name in _ros2_controllers(file.node)}
+    controllers = {name for file in files for name in _ros2_controllers(file)}
     for file in files:
-        yield from _controllers(file.node, package, controllers)
-        yield from _limits(file.node, package)
-        yield from _positions(file.node, package)
+        yield from _controllers(file, package, controllers)
+        yield from _limits(file, package)
+        yield from _positions(file, package)
     for path in package.files:
         if path.suffix == ".srdf":
             yield from _srdf(path, package)

@@ -114,7 +114,6 @@ class Urdf(Document):
             "suits-gazebo": of_link(bodies.suits_gazebo),
             "without-centre": of_link(lambda name: name in bodies.without_centre),
             "holds-nothing": of_link(lambda name: name in bodies.holding_nothing),
-            "weighs-in-gazebo": of_link(lambda name: bodies.mass(name) != 0.0),
             "implausible": of_element(implausible),
             "law": of_element(lambda at: "" if (tensor := tensor_of(at)) is None else law(tensor)),
             "is-sound": of_element(lambda at: (tensor := tensor_of(at)) is not None and not law(tensor), missing=False),

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from dh2urdf.errors import CrashError, LoaderError, PluginError
 from dh2urdf.isolation import Child, ChildFailure, Data, enter
 from dh2urdf.stages import HeldRobot, Inspects, Question
-from dh2urdf_check.ask.urdfdom import URDFDOM, is_installed
+from dh2urdf_check.ask.urdfdom import URDFDOM, command
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -85,7 +85,7 @@ def programs(catalog: Catalog, consumers: Sequence[str]) -> list[Program]:
         for provided in catalog.provided("loader")
         if (inspects := provided.stage.can(Inspects)) and _is_there(provided.stage)
     ]
-    if is_installed():
+    if command():
         found.append(Program("ros", URDFDOM))
     return [program for program in found if not consumers or program.consumer in consumers]
 

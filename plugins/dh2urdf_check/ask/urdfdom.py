@@ -22,7 +22,7 @@ _MESSAGE = re.compile(r"^(?:Warning|Error): *(.*?) *$", re.MULTILINE)
 
 @cache
 def command() -> str | None:
-    """The program itself.
+    """The program itself; None where it is not installed.
 
     The wheel that Pinocchio needs has it, too, behind a Python script of the same name; that script makes a temporary
     folder, which no fence allows.
@@ -34,11 +34,6 @@ def command() -> str | None:
 def _wheel() -> Path:
     """Where programs that wheels bring along are."""
     return Path(sysconfig.get_path("purelib"), "cmeel.prefix")
-
-
-def is_installed() -> bool:
-    """Whether there is such a command."""
-    return command() is not None
 
 
 def prepare() -> str:

@@ -16,7 +16,7 @@ from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError, InputError, 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from conftest import Answer, ReferenceRobot
+    from conftest import Answer
 
     Cli = Callable[..., Answer]
 
@@ -185,14 +185,6 @@ class TestRun:
 
 
 class TestForwardKinematics:
-    def test_of_tables_and_robots(self, reference_robot: ReferenceRobot) -> None:
-        """`fk` of a table and of its robot are where the publisher's own library has the end effector."""
-        arm = reference_robot.manipulator
-        robot = dh2urdf.convert(arm).robot
-        np.testing.assert_allclose(arm.fk(reference_robot.q), reference_robot.poses, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(robot.fk(reference_robot.q), reference_robot.poses, rtol=0, atol=1e-9)
-        assert arm.fk(reference_robot.q[0]).shape == (4, 4)
-
     def test_of_any_link(self) -> None:
         """A robot has that of every link, at the joints on the way to it."""
         robot = dh2urdf.convert("ur5.csv").robot

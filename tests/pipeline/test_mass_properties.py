@@ -20,7 +20,7 @@ from dh2urdf.kinematics.mass import (
     volume,
 )
 from dh2urdf.manipulator import Inertia
-from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Mesh, Sphere
+from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 
 if TYPE_CHECKING:
@@ -82,12 +82,6 @@ def test_primitives_have_the_mass_properties_of_a_body_of_small_cubes(geometry: 
     np.testing.assert_allclose(matrix(body.inertia), inertia, rtol=1e-2, atol=1e-9)
 
 
-def test_the_volume_of_a_mesh_is_not_known() -> None:
-    """Only its file knows it."""
-    with pytest.raises(ValueError, match="Mesh"):
-        volume(Mesh(filename="hand.stl"))
-
-
 @given(bodies, frames)
 def test_a_body_may_be_seen_from_another_frame(body: Inertial, frame: RigidTransform) -> None:
     """Its inertia about the frame's origin is turned, its mass stays."""
@@ -116,18 +110,6 @@ def test_a_coordinate_that_all_parts_share_is_that_of_the_whole() -> None:
     whole = compound(parts)
     assert whole.com[0] == 0.1
     assert (whole.inertia.ixy, whole.inertia.ixz, whole.inertia.iyz) == (0.0, 0.0, 0.0)
-
-
-def test_nothing_weighs_nothing() -> None:
-    """A compound without mass has no centre of it."""
-    with pytest.raises(ValueError, match="mass"):
-        compound([])
-
-
-@given(bodies, st.floats(0.1, 10))
-def test_inertia_grows_with_mass(body: Inertial, factor: float) -> None:
-    """The same shape with more mass."""
-    np.testing.assert_allclose(matrix(scaled(body.inertia, factor)), factor * matrix(body.inertia))
 
 
 elements = st.floats(-5, 5)

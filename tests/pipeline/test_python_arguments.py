@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import fields, is_dataclass, replace
 from functools import partial
 from hashlib import sha256
@@ -314,16 +313,6 @@ class TestArguments:
         given = {key: value for key, value in mapping.items() if value is not None}
         assert Manipulator.from_dh(list(self.ROW), payload=given, **how).payload == payload
         assert dh2urdf.read(UR5, payload=payload).payload == payload
-
-    def test_joint_vectors_of_another_form(self) -> None:
-        """A column and a transposed array are refused; whole numbers are numbers; values are in rad."""
-        arm = dh2urdf.read(UR5)
-        for wrong in (np.zeros((6, 1)), np.zeros((6, 5)), [[0.0]] * 6, 0.0, np.zeros(5)):
-            with pytest.raises(dh2urdf.errors.RecordError, match="field 'q'"):
-                arm.fk(wrong)
-        assert (arm.fk(np.array([1, 0, 0, 0, 0, 0])) == arm.fk([1.0, 0, 0, 0, 0, 0])).all()
-        assert (arm.fk([-0.0] * 6) == arm.fk([0.0] * 6)).all()
-        assert not np.allclose(arm.fk([90, 0, 0, 0, 0, 0]), arm.fk([math.pi / 2, 0, 0, 0, 0, 0]))
 
     def test_paths_of_a_mapping_start_at_the_working_directory(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

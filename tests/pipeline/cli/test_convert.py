@@ -166,15 +166,6 @@ class TestOptions:
         assert files(folder) == set()
 
 
-@pytest.mark.usefixtures("folder")
-class TestRefusals:
-    def test_a_table_that_the_transform_refuses_is_wrong(self, cli: Cli, folder: Path) -> None:
-        """The table can be read, but no arm can be made of it with these options: nothing is written."""
-        (folder / "arm.csv").write_text(STANDARD.replace("pi/2", "1.2"))
-        cli("convert", "arm.csv", "--variant", "paper", "-o", "arm.urdf", status=2)
-        assert files(folder) == set()
-
-
 def test_a_conversion_that_fails_leaves_no_empty_folder(cli: Cli, folder: Path) -> None:
     """The emitter refuses a name when the folder is there already; one that was there before stays."""
     (folder / "bad.csv").write_text(STANDARD.replace("shoulder", "shoulder pan"))

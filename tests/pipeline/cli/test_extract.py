@@ -268,11 +268,5 @@ def _rows(path: Path) -> list[str]:
 
 
 class TestPython:
-    def test_a_manipulator(self, ur5: Path, tmp_path: Path) -> None:
-        arm = dh2urdf.extract(ur5, tmp_path / "arm.yaml", convention="modified")
-        assert arm.convention == "modified"
-        assert [row.joint for row in arm.rows] == ["pan", "lift", "elbow", "w1", "w2", "w3"]
-        assert dh2urdf.read(tmp_path / "arm.yaml").rows == arm.rows
-
     def test_a_text(self) -> None:
         assert len(dh2urdf.extract(TREE, reader="urdf", tip_link="b").rows) == 2

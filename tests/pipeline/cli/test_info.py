@@ -188,14 +188,6 @@ class TestSeveral:
 
 @pytest.mark.usefixtures("folder")
 class TestForms:
-    def test_a_pipe_gets_plain_lines(self, cli: Cli) -> None:
-        """One line for each field, with the same words as the JSON."""
-        text = cli("info", "arm.csv", "--cells").stdout
-        assert re.search(r"^waist +alpha +1\.57079633 rad \(90°\) +'90' +deg +arm\.csv:5:27$", text, re.MULTILINE)
-        assert re.search(r"^shoulder +type +revolute +default$", text, re.MULTILINE)
-        assert "\x1b" not in text
-        assert "┃" not in text
-
     @pytest.mark.parametrize("form", [(), ("--markdown",)])
     def test_the_table_is_as_a_paper_prints_it(self, cli: Cli, folder: Path, form: tuple[str, ...]) -> None:
         """A row for each joint, units in the header, a star behind what the table does not say, and then the facts."""

@@ -31,24 +31,16 @@ def refusal(text: str | bytes) -> str:
     ("text", "value"),
     [
         ("1", 1),
-        ("-1", -1),
         ("+1", 1),
         ("007", 7),
         ("0o17", 15),
         ("0x1F", 31),
-        ("1e3", 1000.0),
-        ("1e-3", 0.001),
         ("1E+3", 1000.0),
         (".5", 0.5),
-        ("+.5", 0.5),
         ("1.", 1.0),
         ("-1.5e-2", -0.015),
-        (".inf", math.inf),
         ("-.INF", -math.inf),
-        ("true", True),
         ("FALSE", False),
-        ("~", None),
-        ("null", None),
         ("NULL", None),
     ],
 )
@@ -60,26 +52,7 @@ def test_numbers_and_constants_follow_the_core_schema_of_yaml_12(text: str, valu
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        "no",
-        "yes",
-        "on",
-        "off",
-        "y",
-        "N",
-        "1:30",
-        "2020-01-01",
-        "1_000",
-        "0b11",
-        "nULL",
-        "tRue",
-        ".",
-        "-",
-        "+",
-        "e3",
-        "0o8",
-    ],
+    "text", ["no", "on", "y", "1:30", "2020-01-01", "1_000", "0b11", "nULL", ".", "-", "e3", "0o8"]
 )
 def test_what_yaml_11_would_have_changed_is_a_text(text: str) -> None:
     """Norway, sexagesimals, dates and binary numbers of YAML 1.1 are texts."""
@@ -151,9 +124,6 @@ def test_any_text_is_read_or_refused(content: str | bytes) -> None:
     except ConfigError:
         return
     assert node.value is not None or node.text
-
-
-# --- Keys -------------------------------------------------------------------------------------------------------------
 
 
 # --- Aliases ----------------------------------------------------------------------------------------------------------
@@ -230,23 +200,6 @@ def test_the_error_type_is_the_callers() -> None:
         load_yaml("a: [", "f", TableError)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("3", "the number 3"),
-        ("true", "the truth value true"),
-        ("a", "the text 'a'"),
-        ("[1, 2]", "a list of 2"),
-        ("[]", "an empty list"),
-        ("{}", "a mapping"),
-        ("~", "an empty value"),
-    ],
-)
-def test_values_are_described_in_words(text: str, words: str) -> None:
-    """Messages say what kind of value was found."""
-    assert load_yaml(text, "f").describe() == words
-
-
 # --- Streams ----------------------------------------------------------------------------------------------------------
 
 
@@ -293,35 +246,26 @@ REFUSED = {
     # Syntax: with the place where a person fixes it, and how.
     "a:\n\t- b": ("2:1", "indent with spaces"),
     "a: b: c": ("1:5", "quote a text that holds ': '"),
-    "a: 1\n b: 2": ("2:3", "indent the keys of a mapping alike"),
     "name:arm\nx: 1": ("2:2", "indent the keys of a mapping alike"),
     "a: 1\nb": ("2:1", "each line of a mapping is `name: value`"),
     "a: @x": ("1:4", "quote a text that starts with this character"),
     "a: [1, 2": ("1:4", "close the bracket that opens here"),
-    "a: [1, 2}": ("1:9", "a comma between the values"),
     "a: {x: 1\nb: 2\n": ("2:2", "comma"),
     "a: ]": ("1:4", "a bracket or comma is too many"),
     "x: 1\na: 'abc": ("2:4", "close the quote that opens here"),
     "a: *": ("1:4", "quote a text that starts with * or &"),
     r'a: "C:\new\q"': ("1:11", "use single quotes"),
-    "a:\n- b: 1\n - c: 2": ("3:2", "indent the keys"),
     "%YAML 2.0\n---\na: 1": ("1:1", "remove the line %YAML"),
     r'a: "\UFFFFFFFF"': ("1:", "not valid YAML"),
-    r'a: "\ud83e"': ("1:", "not valid YAML"),  # half a character
     r'a: "\udd16\ud83e"': ("1:", "not valid YAML"),
     # What YAML allows, and nobody means.
     "a: 1\nb: {c: 1, c: 2}\na: 3\n": ("2:11", "the key 'c' stands here and in line 2, column 5"),
-    "b: 1\na: 1\na: 3\n": ("3:1", "the key 'a' stands here and in line 2, column 1"),
     "1: a\n'1': b\n": ("2:1", "stands here and in line 1"),
     "? [a, b]\n: 1\n": ("1:3", "stands as a key"),
     "": ("", "the file is empty"),
-    "# only a comment\n": ("", "the file is empty"),
-    "\ufeff": ("", "the file is empty"),
     "a: 1\n--- \nb: 2\n": ("2:1", "a second document begins here"),
     "a: !include x": ("1:4", "the YAML tag '!include' is not accepted"),
     "a: !!python/object/apply:os.system [ls]": ("1:4", "the YAML tag '!!python/object/apply:os.system'"),
-    "!!str a: 1": ("1:1", "the YAML tag '!!str'"),
-    "a: ! 12": ("1:4", "the YAML tag '!'"),
     "x: &a [*a]": ("1:8", "inside the value that it stands for"),
     "x: &a {<<: *a}": ("1:12", "inside the value that it stands for"),
     "d: &defaults {}\na: *default\n": ("2:4", "did you mean 'defaults'?"),

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -45,12 +45,6 @@ ARM = """<?xml version="1.0"?>
 
 def arm(text: str = ARM) -> Robot:
     return parse_urdf(text.encode(), "arm.urdf")
-
-
-def refusal(text: str) -> str:
-    with pytest.raises(ProofError) as caught:
-        arm(text)
-    return str(caught.value)
 
 
 def test_shapes_origins_and_colours_are_read() -> None:
@@ -98,67 +92,87 @@ def test_a_file_is_read_by_its_path(tmp_path: Path) -> None:
     text = ARM.replace('version="1.0"', 'version="1.0" encoding="ISO-8859-1"').replace('"arm"', '"bräs"')
     path.write_bytes(text.encode("latin-1"))
     assert read_urdf(path).name == "bräs"
-
-
-def test_a_missing_file_is_an_error_with_its_path(tmp_path: Path) -> None:
-    """The message names the file and the reason."""
-    with pytest.raises(ProofError, match=r"none\.urdf: error: the file cannot be read: No such file"):
+    with pytest.raises(ProofError) as caught:
         read_urdf(tmp_path / "none.urdf")
+    assert [problem.code for problem in caught.value.problems] == ["description-unreadable"]
+
+
+MJCF_BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
+SDF_MODEL = '<sdf version="1.7"><model name="m"><link name="a"/><link name="b"/>{}</model></sdf>'
+REFUSED: dict[Any, dict[str, list[str]]] = {
+    parse_urdf: {
+        "xml-refused": [
+            '<!DOCTYPE robot [<!ENTITY e SYSTEM "file:///etc/hostname">]><robot name="r">&e;</robot>',
+        ],
+        "not-xml": [ARM.replace("</robot>", "")],
+        "root-element-other": ["<sdf/>"],
+        "attribute-missing": [ARM.replace('length="2"', "")],
+        "joint-type-foreign": [ARM.replace('"revolute"', '"floating"')],
+        "element-missing": [ARM.replace('<parent link="base"/>', "")],
+        "numbers-wrong": [ARM.replace("1 2 3", text) for text in ("1 2", "1 2 nan", "1 2 1_0", "1 2 1e999", "1 2 two")],
+        "not-read": [ARM.replace('<sphere radius="0.125"/>', "<torus/>")],
+        "geometry-unknown": [ARM.replace('<sphere radius="0.125"/>', "")],
+        "material-undefined": [ARM.replace('<material name="orange"/>', '<material name="red"/>')],
+    },
+    parse_sdf: {
+        "no-model": ["<robot/>"],
+        "numbers-wrong": [SDF_MODEL.format('<frame name="f"><pose>0 0 0 inf 0 0</pose></frame>')],
+        "frame-of-itself": [
+            SDF_MODEL.format('<frame name="f" attached_to="f"/>'),
+            SDF_MODEL.format('<frame name="f" attached_to="g"/><frame name="g" attached_to="f"/>'),
+        ],
+        "pose-of-itself": [
+            SDF_MODEL.format(
+                '<frame name="f" attached_to="a"><pose relative_to="g">0 0 0 0 0 0</pose></frame>'
+                '<frame name="g" attached_to="b"><pose relative_to="f">0 0 0 0 0 0</pose></frame>'
+            )
+        ],
+        "joint-type-foreign": [
+            SDF_MODEL.format('<joint name="j" type="ball"><parent>a</parent><child>b</child></joint>'),
+        ],
+    },
+    parse_mjcf: {
+        "coordinates-not-local": [MJCF_BODY.format("").replace("<w", '<compiler coordinate="global"/><w', 1)],
+        "joint-type-foreign": [MJCF_BODY.format('<joint type="ball"/>'), MJCF_BODY.format('<freejoint name="f"/>')],
+        "axis-of-length-0": [MJCF_BODY.format('<joint axis="1e-9 0 0"/>')],
+        "numbers-wrong": [MJCF_BODY.format('<joint axis="0 1_0 0"/>')],
+        "not-read": [
+            MJCF_BODY.format('<geom type="plane" size="1 1 1" mass="0"/>'),
+            MJCF_BODY.format('<geom size="1" shellinertia="true"/>'),
+            MJCF_BODY.format('<replicate count="2"><geom size="1"/></replicate>'),
+        ],
+        "fromto-of-one-point": [MJCF_BODY.format('<geom type="capsule" fromto="1 2 3 1 2 3" size="1"/>')],
+        "mesh-undefined": [MJCF_BODY.format('<geom type="mesh" mesh="m"/>')],
+        "vector-of-length-0": [MJCF_BODY.format('<site name="s" xyaxes="0.1 0.2 0.3 0.2 0.4 0.6"/>')],
+        "element-misplaced": [MJCF_BODY.format('<geom size="1"><site name="s"/></geom>')],
+        "geom-size-wrong": [MJCF_BODY.format('<geom type="box" fromto="0 0 0 0 0 1"/>')],
+        "frames-too-deep": [MJCF_BODY.format("<frame>" * 101 + '<site name="s"/>' + "</frame>" * 101)],
+    },
+}
 
 
 @pytest.mark.parametrize(
-    ("found", "written", "message"),
-    [
-        ("</robot>", "", "error: this is not XML: "),
-        ("<robot name", "<robots name", "this is not XML"),
-        ('<robot name="arm">', "<robot>", "arm.urdf:2: error: robot lacks the attribute name"),
-        ('type="revolute"', 'type="floating"', "arm.urdf:18: error: joint type 'floating' is not one of a manipulator"),
-        ('<parent link="base"/>', "", "arm.urdf:18: error: joint lacks parent"),
-        ("1 2 3", "1 2", "arm.urdf:8: error: size of box is '1 2'\n    accepted: 3 finite numbers"),
-        ("1 2 3", "1 2 nan", "size of box is '1 2 nan'"),
-        ("1 2 3", "1 2 1_0", "size of box is '1 2 1_0'"),
-        ("1 2 3", "1 2 1e999", "size of box is '1 2 1e999'"),
-        ('length="2"', 'length="two"', "arm.urdf:11: error: length of cylinder is 'two'\n    accepted: one finite"),
-        ('length="2"', "", "cylinder lacks the attribute length"),
-        ('<sphere radius="0.125"/>', "<torus/>", "arm.urdf:15: error: a shape 'torus' is not read here"),
-        ('<sphere radius="0.125"/>', "", "the geometry has no shape\n    accepted: box, cylinder, sphere"),
-        ('<material name="orange"/>', '<material name="red"/>', "arm.urdf:8: error: material 'red' is defined nowhere"),
-    ],
+    ("parse", "code", "text"),
+    [(parse, code, text) for parse, codes in REFUSED.items() for code, texts in codes.items() for text in texts],
 )
-def test_what_is_not_a_robot_is_refused_with_its_line(found: str, written: str, message: str) -> None:
-    """The message says where and what, and no default replaces what cannot be read."""
-    assert found in ARM
-    assert message in refusal(ARM.replace(found, written, 1))
+def test_what_is_no_manipulator_is_refused(parse: Callable[[bytes, str], Robot], code: str, text: str) -> None:
+    """No default replaces what cannot be read, and no parser is asked for other files or to grow without bound."""
+    with pytest.raises(ProofError) as caught:
+        parse(text.encode(), "arm.xml")
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.mark and problem.mark.file) == (code, "arm.xml")
 
 
-def test_another_document_is_refused() -> None:
-    """A world or a launch file is no robot description."""
-    assert "the outermost element is 'sdf'\n    accepted: robot" in refusal("<sdf/>")
-
-
-def test_entities_are_refused(tmp_path: Path) -> None:
-    """A description that asks the parser for other files, or to grow without bound, is not read."""
-    secret = tmp_path / "secret"
-    secret.write_text("secret")
-    outer = f'<!DOCTYPE robot [<!ENTITY e SYSTEM "{secret.as_uri()}">]><robot name="r">&e;</robot>'
-    assert "it has a document type (<!DOCTYPE>)\n    accepted: XML in UTF-8" in refusal(outer)
+def test_a_document_that_grows_without_bound_is_refused() -> None:
     levels = "".join(f'<!ENTITY e{i + 1} "{f"&e{i};" * 10}">' for i in range(12))
-    bomb = f'<!DOCTYPE robot [<!ENTITY e0 "ha">{levels}]><robot name="&e12;"/>'
-    assert "error" in refusal(bomb)
-
-
-def test_a_thousand_joints_are_read() -> None:
-    """Nothing recurses over the chain."""
-    links = "".join(f'<link name="l{i}"/>' for i in range(1001))
-    joints = "".join(
-        f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(1000)
-    )
-    assert len(arm(f'<robot name="long">{links}{joints}</robot>').joints) == 1000
+    with pytest.raises(ProofError):
+        arm(f'<!DOCTYPE robot [<!ENTITY e0 "ha">{levels}]><robot name="&e12;"/>')
 
 
 @pytest.mark.parametrize("fault", [b"<!-- a -- b -->", b"<gz:a/>"])
 @pytest.mark.parametrize("written", [parse_urdf, parse_sdf, parse_mjcf])
 def test_what_is_written_has_to_be_xml(written: Callable[[bytes, str], Robot], fault: bytes) -> None:
     """Foreign files are read with faults that simulators take; a proof takes none."""
-    with pytest.raises(ProofError, match=r"this is not XML[^\n]*\n    accepted: a robot description in XML"):
+    with pytest.raises(ProofError) as caught:
         written(b"<robot>" + fault + b"</robot>", "arm")
+    assert caught.value.problems[0].code == "not-xml"

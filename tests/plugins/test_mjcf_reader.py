@@ -353,4 +353,4 @@ def test_no_file_of_another_folder_is_included(tmp_path: Path) -> None:
     path.write_text('<mujoco><include file="../../secret.xml"/><worldbody/></mujoco>')
     with pytest.raises(TableError) as caught:
         foreign_mjcf(path)
-    assert [problem.code for problem in caught.value.problems] == ["include-outside"]
+    assert [problem.code for problem in caught.value.problems] == ["include-refused"]

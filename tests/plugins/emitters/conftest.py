@@ -24,6 +24,7 @@ from dh2urdf.robot import (
     Visual,
 )
 from dh2urdf.rotations import RigidTransform
+from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -173,3 +174,19 @@ def rigid(matrix: list[list[float]]) -> RigidTransform:
         rotation=tuple(element for row in matrix[:3] for element in row[:3]),
         translation=tuple(row[3] for row in matrix[:3]),
     )
+
+
+@pytest.fixture(scope="session")
+def long_chain() -> Callable[[int], Robot]:
+    """An arm of so many axes."""
+
+    def robot(count: int) -> Robot:
+        limits = Limits(lower=-1.0, upper=1.0)
+        rows = tuple(
+            DHRow(joint=f"joint_{i}", link=f"link_{i}", a=0.2, alpha=0.3, d=0.1, limits=limits)
+            for i in range(1, count + 1)
+        )
+        table = Manipulator(name="long", convention=Convention.STANDARD, rows=rows)
+        return TRANSFORM.transform(table, TRANSFORM.options())
+
+    return robot

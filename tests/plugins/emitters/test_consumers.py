@@ -19,6 +19,7 @@ from any_tables import SEEN_LENGTHS, manipulators
 from hypothesis import given, settings
 
 from dh2urdf.kinematics import KinematicChain
+from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.stages import ReadsBack
 from dh2urdf.testing.oracle import table_pose as dh_product
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
@@ -52,13 +53,6 @@ def write(emitter: Emitter[Any], robot: Robot, folder: Path) -> Path:
     return folder / files[0].name
 
 
-def matrix_of(pose: Any) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(pose.rotation, (3, 3))
-    matrix[:3, 3] = pose.translation
-    return matrix
-
-
 def joint_vectors(manipulator: Manipulator, count: int = 3) -> list[list[float]]:
     draw = np.random.default_rng(7)
     return [list(draw.uniform(-3, 3, len(manipulator.moving_rows))) for _ in range(count)]
@@ -75,7 +69,7 @@ def test_published_arms_reach_their_published_poses(
         reads = emitter.can(ReadsBack)
         chain = KinematicChain.between(reads.read_back(path))
         for q, pose in zip(published[name]["q"], published[name]["T_ee"], strict=True):
-            assert np.abs(matrix_of(chain.forward_kinematics(q)) - pose).max() < 1e-9
+            assert np.abs(as_matrices(chain.forward_kinematics(q)) - pose).max() < 1e-9
 
 
 @frames
@@ -107,7 +101,7 @@ def test_both_files_of_any_table_are_its_arm(frames: str, manipulator: Manipulat
         reads = URDF.can(ReadsBack)
         chain = KinematicChain.between(reads.read_back(urdf))
     for q in joint_vectors(manipulator):
-        assert np.abs(matrix_of(chain.forward_kinematics(q)) - dh_product(manipulator, q)).max() < 1e-9
+        assert np.abs(as_matrices(chain.forward_kinematics(q)) - dh_product(manipulator, q)).max() < 1e-9
 
 
 @frames
@@ -226,8 +220,8 @@ def test_the_properties_are_the_arm(table: Table, tmp_path: Path, name: str, fra
     expanded, made = read_xacro(path), robot_of(other, frames)
     chain = KinematicChain.between(expanded)
     for q in joint_vectors(other):
-        assert np.abs(matrix_of(chain.forward_kinematics(q)) - dh_product(other, q)).max() < 1e-9
+        assert np.abs(as_matrices(chain.forward_kinematics(q)) - dh_product(other, q)).max() < 1e-9
     for mine, theirs in zip(expanded.links, made.links, strict=True):
         for shape, wanted in zip((*mine.visuals, *mine.collisions), (*theirs.visuals, *theirs.collisions), strict=True):
             assert shape.geometry.length == pytest.approx(wanted.geometry.length, abs=1e-12)
-            assert np.abs(matrix_of(shape.origin.transform) - matrix_of(wanted.origin.transform)).max() < 1e-9
+            assert np.abs(as_matrices(shape.origin.transform) - as_matrices(wanted.origin.transform)).max() < 1e-9

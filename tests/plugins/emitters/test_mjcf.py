@@ -1,22 +1,29 @@
-"""MJCF as MuJoCo itself reads it."""
+"""MJCF as MuJoCo itself reads it, and moves it."""
 
 from __future__ import annotations
 
+import json
 import math
+import random
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from lxml import etree
 
 from dh2urdf.errors import EmitterError
-from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
 from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
+from dh2urdf_plugins.formats.mjcf.home_contacts import _distance, touching_at_home
 from dh2urdf_plugins.formats.mjcf.writer import DEEPEST
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
+from dh2urdf_plugins.home_pose import stepped
+from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
+from servo_steps import follow
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -128,27 +135,6 @@ def settled(model: Any, seconds: float = 2.0) -> Any:
     return data
 
 
-def test_servos_hold_the_arm(reference_robots: Any) -> None:
-    """With the actuators that are written by default and no code at all, an arm stays where it is."""
-    data = settled(model_of(ur5(reference_robots)))
-    assert np.abs(data.qpos).max() < 1e-6
-    assert np.abs(data.qvel).max() < 1e-3
-
-
-def test_servos_follow_a_step(reference_robots: Any) -> None:
-    """A servo goes to its target and stops there, and never gives more than the effort of its joint."""
-    robot = ur5(reference_robots)
-    model = model_of(robot)
-    data = mujoco.MjData(model)
-    data.ctrl[:] = [0.5, -1.0, 1.0, 0.5, -0.5, 1.0]
-    model.opt.gravity[:] = 0
-    for _ in range(round(4.0 / model.opt.timestep)):
-        mujoco.mj_step(model, data)
-        efforts = np.array([joint.limits.effort for joint in robot.moving_joints])
-        assert (np.abs(data.qfrc_actuator) <= efforts * (1 + 1e-12)).all()
-    assert np.abs(data.qpos - data.ctrl).max() < 1e-3
-
-
 def test_motors_leave_the_control_to_the_user(reference_robots: Any) -> None:
     """Torque motors, within the efforts; with no torque the arm falls."""
     robot = ur5(reference_robots)
@@ -211,32 +197,13 @@ def test_meshes_are_assets(arm: Robot) -> None:
     assert text.count('mesh="mesh_1"') == 2
 
 
-def test_a_cell_has_all_its_arms(cli: Callable[..., Any], tmp_path: Path) -> None:
-    """Of an arm on another arm too, MuJoCo finds the sites and the actuators."""
-    cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, "--set", "emitters=[mjcf]", "--set", "loaders=[]")
-    models = [mujoco.MjModel.from_xml_path(str(path)) for path in tmp_path.glob("*.xml")]
-    cell = max(models, key=lambda model: model.njnt)
-    sites = [cell.site(number).name for number in range(cell.nsite)]
-    assert len([name for name in sites if name.endswith("tool0")]) == 2
-    assert cell.nu == cell.njnt == 7
-    data = settled(cell)
-    assert np.abs(data.qpos).max() < 1e-6
-
-
-def chain_of(count: int) -> Robot:
-    limits = Limits(lower=-1.0, upper=1.0)
-    rows = tuple(
-        DHRow(joint=f"joint_{i}", link=f"link_{i}", a=0.2, alpha=0.3, d=0.1, limits=limits) for i in range(1, count + 1)
-    )
-    return robot_of(Manipulator(name="long", convention=Convention.STANDARD, rows=rows))
-
-
-def test_the_longest_chain_is_read() -> None:
+def test_the_longest_chain_is_read(long_chain: Callable[[int], Robot]) -> None:
     """MuJoCo's XML parser takes only so many elements within each other; a longer chain is refused, with the reason."""
-    assert model_of(chain_of(DEEPEST - 2)).njnt == DEEPEST - 2
-    with pytest.raises(EmitterError, match="no chain of so many links") as caught:
-        text_of(chain_of(DEEPEST - 1))
-    assert caught.value.problems[0].joint == f"joint_{DEEPEST - 1}"
+    assert model_of(long_chain(DEEPEST - 2)).njnt == DEEPEST - 2
+    with pytest.raises(EmitterError) as caught:
+        text_of(long_chain(DEEPEST - 1))
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.joint) == ("mujoco-chain-too-long", f"joint_{DEEPEST - 1}")
 
 
 def test_the_loader_takes_it(cli: Callable[..., Any], tmp_path: Path) -> None:
@@ -246,16 +213,206 @@ def test_the_loader_takes_it(cli: Callable[..., Any], tmp_path: Path) -> None:
         loaders = "loaders=[{stage: mujoco, options: {picture: false, poses: 3}}]"
         out = tmp_path / kind
         cli("run", CONFIGS / "ur5.yaml", "-o", out, "--set", emitters, "--set", loaders)
-        import json
-
         (entry,) = json.loads((out / "report.json").read_text("utf-8"))["manipulators"]
         report = entry["loaders"]["mujoco"]
         assert (report["hold"]["stayed"], report["findings"], report["output"]) == (True, [], "")
         assert report["position_error"] < 1e-14
-        assert math.isclose(report["mass"], sum_of_masses(out / "ur5.urdf"), rel_tol=1e-14)
+        assert math.isclose(
+            report["mass"],
+            sum(float(mass.get("value")) for mass in etree.parse(out / "ur5.urdf").iter("mass")),
+            rel_tol=1e-14,
+        )
 
 
-def sum_of_masses(path: Path) -> float:
-    from lxml import etree
+# --- The servos: steps of all joints at once, from home, with contacts and within the efforts
 
-    return sum(float(mass.get("value")) for mass in etree.parse(path).iter("mass"))
+STEPS = (0.01, 0.2)
+
+
+def check_steps(model: Any) -> None:
+    """All joints reach their targets within 3 s, and none is thrown."""
+    for step in STEPS:
+        response = follow(model, step)
+        assert response.error < 0.005
+        assert response.overshoot < 0.1
+        assert response.speed < 8.0
+
+
+def with_joints(robot: Robot, **numbers: Any) -> Robot:
+    """The robot with other numbers of its moving joints."""
+    moving = robot.moving_joints
+    return replace(robot, joints=tuple(replace(each, **numbers) if each in moving else each for each in robot.joints))
+
+
+def with_efforts(robot: Robot, efforts: dict[str, float | None]) -> Robot:
+    return replace(
+        robot,
+        joints=tuple(
+            replace(joint, limits=replace(joint.limits, effort=efforts[joint.name])) if joint.name in efforts else joint
+            for joint in robot.joints
+        ),
+    )
+
+
+def test_published_arms_follow_a_step(reference_robot: Any) -> None:
+    """Steps of 0.01 and 0.2 rad, of a quarter of that in m where a joint slides, though some of the arms are folded."""
+    check_steps(model_of(robot_of(reference_robot.manipulator)))
+
+
+def test_published_arms_follow_a_step_from_anywhere(reference_robot: Any) -> None:
+    """The gains fit every pose, not only that of the keyframe: no joint overshoots by more than a tenth."""
+    model = model_of(robot_of(reference_robot.manipulator, collisions="none"))
+    lower, upper = np.where(model.jnt_limited, model.jnt_range.T, [[-3.0], [3.0]])
+    model.key_qpos[0] = np.random.default_rng(1).uniform(lower, upper)
+    check_steps(model)
+
+
+@pytest.mark.parametrize("cell", ["ur5_on_track", "pair"])
+def test_cells_follow_a_step(cli: Callable[..., Any], tmp_path: Path, cell: str) -> None:
+    """All arms of a cell at once."""
+    cli("run", CONFIGS / f"{cell}.yaml", "-o", tmp_path, "--set", "emitters=[mjcf]", "--set", "loaders=[]")
+    check_steps(mujoco.MjModel.from_xml_path(str(tmp_path / f"{cell}.xml")))
+
+
+def any_arm(seed: int) -> Robot:
+    """An arm of 1 to 9 joints, 0.1 to 3 m and 0.1 to 200 kg; of every second one the efforts just carry its weight."""
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    count, reach, mass = draw.randint(1, 9), 10 ** draw.uniform(-1.0, 0.48), 10 ** draw.uniform(-1.0, 2.3)
+    parts = [draw.choice((0.001, draw.random())) for _ in range(2 * count)]
+    rows = []
+    for number in range(count):
+        slides = draw.random() < 0.2
+        limits = (
+            Limits(lower=draw.choice((0.0, -0.2 * reach)), upper=draw.uniform(0.2, 0.6) * reach)
+            if slides
+            else draw.choice(
+                [Limits(lower=-3.0, upper=3.0), Limits(lower=0.4, upper=2.5), Limits(lower=-3.0, upper=0.0)]
+            )
+        )
+        rows.append(
+            DHRow(
+                joint=f"joint_{number}",
+                link=f"link_{number}",
+                type=JointType.PRISMATIC if slides else JointType.REVOLUTE,
+                a=parts[2 * number] / sum(parts) * reach,
+                alpha=draw.choice((0.0, 0.5 * math.pi, -0.5 * math.pi, draw.uniform(-3.0, 3.0))),
+                d=parts[2 * number + 1] / sum(parts) * reach,
+                theta=draw.choice((0.0, 0.5 * math.pi)),
+                limits=limits,
+                mass=mass * 0.7**number,
+            )
+        )
+    manipulator = Manipulator(name="any", convention=draw.choice(list(Convention)), rows=tuple(rows))
+    robot = robot_of(manipulator, radius=0.03 * reach)
+    if seed % 2:
+        loads = [[abs(load) for load in gravity_loads(robot, q)] for q in poses_of(robot, draw)]
+        least = [0.1 * joint.limits.effort for joint in robot.moving_joints if joint.limits.effort]
+        worst = [1.05 * max(each) for each in zip(least, *loads, strict=True)]
+        robot = with_efforts(robot, dict(zip([joint.name for joint in robot.moving_joints], worst, strict=True)))
+    return robot
+
+
+def poses_of(robot: Robot, draw: random.Random) -> list[list[float]]:
+    """Joint vectors: those of the steps, and others anywhere."""
+    joints = robot.moving_joints
+    near = [[stepped(joint, way * k / 8) for joint in joints] for way in (-1, 1) for k in range(9)]
+    limits = [(joint.limits.lower or 0.0, joint.limits.upper or 0.0) for joint in joints]
+    return near + [[draw.uniform(*each) for each in limits] for _ in range(40)]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_any_arm_follows_a_step(seed: int) -> None:
+    """Light and heavy arms, with default efforts and with ones that are 1.05 times the weight that they carry."""
+    check_steps(model_of(any_arm(seed)))
+
+
+@pytest.mark.parametrize("numbers", [{"armature": 0.0}, {"armature": 1e-3}, {"friction": 2.0}, {"damping": 30.0}])
+def test_what_the_table_says_is_kept(reference_robots: Any, numbers: dict[str, float]) -> None:
+    """Armature, friction and damping of the table are in the model, and the arm follows with them."""
+    published = next(robot for robot in reference_robots if robot.id == "urdoc_ur5")
+    model = model_of(with_joints(robot_of(published.manipulator), **numbers))
+    ((name, value),) = numbers.items()
+    found = {"armature": model.dof_armature, "friction": model.dof_frictionloss, "damping": model.dof_damping}[name]
+    assert (found == value).all()
+    check_steps(model)
+
+
+def planar(limits: Limits) -> Robot:
+    """Three links in a row, which swing in a vertical plane."""
+    rows = tuple(
+        DHRow(joint=f"j{k}", link=f"l{k}", a=0.4, alpha=0.0, d=0.0, mass=2.0, limits=limits) for k in range(1, 4)
+    )
+    down = DHRow(joint="mount", link="mount_link", type=JointType.FIXED, a=0.0, alpha=0.5 * math.pi, d=0.5, mass=1.0)
+    return robot_of(Manipulator(name="planar", convention=Convention.STANDARD, rows=(down, *rows)))
+
+
+def left_alone(model: Any, seconds: float = 2.0) -> Any:
+    """Where the joints are some time after the start at home."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    return data.qpos - model.key_qpos[0]
+
+
+def test_an_arm_starts_at_home() -> None:
+    """A keyframe inside limits that exclude 0, with targets that hold the arm there."""
+    model = model_of(planar(Limits(lower=0.4, upper=1.0)))
+    assert model.key("home").qpos.tolist() == model.key("home").ctrl.tolist() == [0.7, 0.7, 0.7]
+    assert np.abs(left_alone(model)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("share", "stays"), [(1.02, True), (0.98, False)])
+def test_the_weight_counts_into_the_effort(share: float, *, stays: bool) -> None:
+    """Servos that carry the weight give no more than their efforts: with 2 % less than the weight, the arm falls."""
+    robot = planar(Limits(lower=-3.0, upper=3.0))
+    loads = gravity_loads(robot, (0.0, 0.0, 0.0))
+    efforts = {joint.name: share * abs(load) for joint, load in zip(robot.moving_joints, loads, strict=True)}
+    moved = np.abs(left_alone(model_of(with_efforts(robot, efforts)))).max()
+    assert (moved < 1e-6) if stays else (moved > 0.1)
+
+
+def test_nothing_carries_a_joint_without_an_effort() -> None:
+    """A joint without a motor swings, with all that hangs on it; the joints before it hold."""
+    robot = with_efforts(planar(Limits(lower=-3.0, upper=3.0)), {"j2": None})
+    first, second, _ = np.abs(left_alone(model_of(robot), 0.5))
+    assert first < 0.1
+    assert second > 0.5
+
+
+def test_folded_arms_touch_nothing_at_home(reference_robot: Any) -> None:
+    """MuJoCo finds no contact at home, nor after a step to either side; the option `neighbours` leaves them."""
+    robot = robot_of(reference_robot.manipulator)
+    model = model_of(robot)
+    data = mujoco.MjData(model)
+    for steps in (-1.0, -0.5, 0.0, 0.5, 1.0):
+        for joint in robot.moving_joints:
+            data.joint(joint.name).qpos[0] = stepped(joint, steps)
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0
+    if reference_robot.id == "rtb_Mico":
+        assert ("link_2", "link_4") in touching_at_home(robot)
+    if reference_robot.id == "kst_iiwa_14R820":
+        assert touching_at_home(robot) == []
+
+
+CAPSULE = '<body pos="{}"><freejoint/><geom name="{}" type="capsule" fromto="{}" size="{}"/></body>'
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_capsules_are_as_far_apart_as_in_mujoco(seed: int) -> None:
+    """The distance of two capsules that do not overlap, in any position."""
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    capsules = []
+    for shift in (0.0, 1.5):
+        start, end = ([draw.uniform(-0.5, 0.5) + shift for _ in range(3)] for _ in range(2))
+        capsules.append((tuple(start), tuple(end), draw.uniform(0.01, 0.1)))
+    bodies = [
+        CAPSULE.format("0 0 0", name, " ".join(map(repr, (*start, *end))), radius)
+        for name, (start, end, radius) in zip("ab", capsules, strict=True)
+    ]
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{''.join(bodies)}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    found = mujoco.mj_geomDistance(model, data, 0, 1, 10.0, None)
+    assert _distance(*capsules) == pytest.approx(found, abs=1e-6)  # type: ignore[arg-type]

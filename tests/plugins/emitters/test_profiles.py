@@ -314,13 +314,6 @@ def test_drake(ur5: Robot, write: Write, caplog: pytest.LogCaptureFixture) -> No
     assert logged["drake"] == []
 
 
-def test_a_name_that_gazebo_needs_is_refused(ur5: Robot) -> None:
-    """An arm that has a `world` of its own cannot be put on another."""
-    joints = tuple(replace(joint, name="world") if joint.name == "joint_3" else joint for joint in ur5.joints)
-    with pytest.raises(EmitterError, match=r"`world`"):
-        URDF.emit(replace(ur5, joints=joints), "arm", URDF.options(profile="gazebo"))
-
-
 # --- The page ---------------------------------------------------------------------------------------------------------
 
 

@@ -57,23 +57,27 @@ CASES: dict[str, tuple[str, str, dict[str, Any], Change, str]] = {
     ),
     **{
         f"SDF: {name}": ("sdf", "arm", {}, partial(joint, "turn", name=name), "sdf-name-wrong")
-        for name in ("world", "__arm__", "a::b")
+        for name in ("__arm__", "a::b")
     },
     "MJCF: equal limits": ("mjcf", "arm", {}, partial(joint, "turn", limits=NO_WAY), "mujoco-limits-of-no-way"),
     **{
         f"xacro: the parameter {name}": ("xacro", "arm", {}, partial(parameter, name), "xacro-property-wrong")
-        for name in ("prefix", "pi", "max", "lambda", "a b", "__a", "2a", "${x}")
+        for name in ("prefix", "pi", "lambda", "${x}")
     },
     **{f"ros2: a package {stem}": ("ros2", stem, {}, same, "package-name-wrong") for stem in ("UR5", "x", "关节")},
     "ros2: a link": ("ros2", "arm", {}, partial(link, "tool0", name="Épaule ü"), "ros-name-wrong"),
     "ros2: a version of two numbers": ("ros2", "arm", {"version": "1.0"}, same, "package-version-wrong"),
     **{
         f"ros2: an acceleration of {number}": ("ros2", "arm", {"acceleration": number}, same, "acceleration-wrong")
-        for number in (0.0, -1.0, float("inf"), float("nan"))
+        for number in (0.0, float("nan"))
     },
     "ros2: nothing to plan for": (
         *("ros2", "arm", {"moveit": True}),
         *(partial(joint, "", type=JointType.FIXED), "moveit-without-joints"),
+    ),
+    "gazebo: a joint called world": (
+        *("urdf", "arm", {"profile": "gazebo"}),
+        *(partial(joint, "turn", name="world"), "gazebo-world-taken"),
     ),
     "table: none is known": ("table", "arm", {}, same, "table-unknown"),
 }

@@ -13,7 +13,6 @@ from dh2urdf.columns import RobotColumns
 from dh2urdf.robot import Box, Collision, Cylinder, Origin, Robot, Sphere
 from dh2urdf.stages import EmitsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
-from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -91,28 +90,19 @@ def test_a_robot_that_is_not_sure_has_no_file(arm: Robot, many: Callable[..., Ro
     assert emit_columns(many([bad], sure=np.array([False]))) == [()]
 
 
-@pytest.mark.parametrize("name", ["Größe", "机械臂", "arm 2", "it's", "a--b", "x" * 1000])
-def test_a_name_that_xml_takes_as_it_is_stands_so(arm: Robot, many: Callable[..., RobotColumns], name: str) -> None:
-    """Letters of any script do."""
-    robots = [arm, replace(arm, name=name)]
-    assert emit_columns(many(robots)) == [emit(robot, f"stem_{k}") for k, robot in enumerate(robots)]
-
-
 @pytest.mark.parametrize(
-    "name", ["R&D", "<arm>", 'the "arm"', "a\tb", "\x00", "\ud800", "\ue000name\ue001", "x" * 9000]
+    ("words", "is_plain"),
+    [({"name": name}, True) for name in ("机械臂", "it's", "a--b", "x" * 1000)]
+    + [({"name": name}, False) for name in ("R&D", "a\tb", "\x00", "\ud800", "\ue000name\ue001", "x" * 9000)]
+    + [({"comment": "1 < 2 & 'so on'"}, True)]
+    + [({"comment": comment}, False) for comment in ("a -- b", "", "\x1b[1m", "c" * 1001)],
 )
-def test_a_name_that_xml_does_not_is_left_to_emit(arm: Robot, many: Callable[..., RobotColumns], name: str) -> None:
-    """It is escaped there, or refused."""
-    assert emit_columns(many([arm, replace(arm, name=name)])) == [emit(arm, "stem_0"), ()]
-
-
-@pytest.mark.parametrize("comment", ["a -- b", "", "\x1b[1m", "c" * 1001])
-def test_a_comment_that_has_to_be_changed_is_left_to_emit(
-    arm: Robot, many: Callable[..., RobotColumns], comment: str
+def test_names_and_comments_that_have_to_be_changed_are_left_to_emit(
+    arm: Robot, many: Callable[..., RobotColumns], *, words: dict[str, str], is_plain: bool
 ) -> None:
-    """A plain one, markup included, stands as it is."""
-    plain = replace(arm, comment="1 < 2 & 'so on'")
-    assert emit_columns(many([plain, replace(arm, comment=comment)])) == [emit(plain, "stem_0"), ()]
+    """They are escaped there, or refused; plain ones, of any script, stand as they are."""
+    other = replace(arm, **words)  # type: ignore[arg-type]
+    assert emit_columns(many([arm, other])) == [emit(arm, "stem_0"), emit(other, "stem_1") if is_plain else ()]
 
 
 def test_a_link_may_be_named_like_a_number(arm: Robot, many: Callable[..., RobotColumns]) -> None:
@@ -151,8 +141,3 @@ def test_numbers_that_all_have_alike_stand_in_the_template(arm: Robot) -> None:
     robots = RobotColumns(robot=arm, names=("a", "b"), comments=("one", "two"), sure=np.array([True, True]))
     expected = [replace(arm, name=name, comment=comment) for name, comment in (("a", "one"), ("b", "two"))]
     assert emit_columns(robots) == [emit(robot, f"stem_{k}") for k, robot in enumerate(expected)]
-
-
-def test_xacro_is_written_one_by_one() -> None:
-    """Its formulas have no columns."""
-    assert XACRO.can(EmitsInColumns) is None

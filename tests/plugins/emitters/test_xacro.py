@@ -11,8 +11,8 @@ from xml.etree import ElementTree as ET
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.errors import ProofError
 from dh2urdf.manipulator import JointType
-from dh2urdf.stages import OtherFiles
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro import EMITTER, XacroOptions
@@ -38,9 +38,7 @@ def write(robot: Robot, folder: Path, stem: str = "arm") -> Path:
 
 def scene(folder: Path, body: str) -> Robot:
     """The robot of a file that a person writes around the macros in a folder."""
-    path = folder / "scene.urdf.xacro"
-    path.write_text(SCENE.format(body), encoding="utf-8")
-    return read_xacro(path)
+    return read_xacro(written(folder / "scene.urdf.xacro", body))
 
 
 def macro_text(robot: Robot) -> str:
@@ -52,15 +50,6 @@ def test_nothing_but_macros_stands_at_the_scope_of_its_file(arm: Robot) -> None:
     root = ET.fromstring(macro_text(arm))  # noqa: S314 - our own file
     assert [child.tag for child in root] == [f"{NAMESPACE}macro"] * 2
     assert "world" not in {name for link in root.iter("link") for name in link.attrib.values()}
-
-
-def test_one_file_expands_to_the_same_robot(arm: Robot, tmp_path: Path) -> None:
-    """For standard output the macro and its call are in one file."""
-    others = EMITTER.can(OtherFiles)
-    (file,) = EMITTER.emit(arm, "arm", others.one_file(XacroOptions()))
-    path = tmp_path / file.name
-    path.write_bytes(file.content)
-    assert read_xacro(path) == read_xacro(write(arm, tmp_path, "other"))
 
 
 def test_the_xacro_command_expands_it_without_a_warning(arm: Robot, tmp_path: Path) -> None:
@@ -166,19 +155,6 @@ def test_two_macros_and_two_calls_do_not_disturb_each_other(arm: Robot, tmp_path
         assert at[f"{prefix}turn"].rpy == (-math.pi / 2 * factor, 0, 0.3)
 
 
-def test_an_edited_property_moves_origins_and_shapes(arm: Robot, tmp_path: Path) -> None:
-    """This is what the properties are for."""
-    path = write(arm, tmp_path)
-    macro = tmp_path / "arm_macro.xacro"
-    macro.write_text(macro.read_text().replace('value="-0.425"', 'value="-0.5"'))
-    robot = read_xacro(path)
-    (visual, _), (collision,) = robot.links[2].visuals, robot.links[2].collisions
-    assert robot.joints[2].origin.xyz == (-0.5, 0, 0)
-    assert visual.origin.xyz == (-0.25, 0, 0)
-    assert (visual.geometry.length, collision.geometry.length) == (0.5, pytest.approx(0.42))
-    assert robot.links[3].visuals[1].geometry.size == (0.5, 0.08, 0.08)
-
-
 HOSTILE = "${xacro.fatal('evaluated')} $(env HOME) $${x} $(arg prefix) '\" {a} }&<]]> xacro:eval-comments --"
 
 
@@ -208,12 +184,9 @@ def test_a_file_name_is_no_expression_and_no_pattern(
     ("robot", "stem", "macro"),
     [
         ("ur5", "x", "ur5"),
-        ("my arm", "my arm", "my_arm"),
         ("机械臂", "robot_3", "robot_3"),
-        ("ur5.v2", "ur5.v2", "ur5_v2"),
         ("2link", "2link", "_2link"),
         ("include", "include", "_include"),
-        ("", "", "_"),
     ],
 )
 def test_the_macro_has_the_robots_name_where_xacro_can_take_it(robot: str, stem: str, macro: str) -> None:
@@ -233,10 +206,8 @@ def test_a_macro_name_is_always_a_tag(robot: str, stem: str) -> None:
     [
         (-0.0, "0"),
         (-math.pi, "${-pi}"),
-        (2 * math.pi, "${2*pi}"),
         (-3 * math.pi / 4, "${-3*pi/4}"),
         (math.radians(30), "${pi/6}"),
-        (1.5708, "1.5708"),
         (math.nextafter(math.pi / 2, 2), "1.5707963267948968"),
         (1e16, "1e16"),
     ],
@@ -252,13 +223,37 @@ def test_the_text_of_an_angle_is_the_angle(angle: float) -> None:
     assert eval(angle_text(angle).strip("${}"), {"pi": math.pi}) == angle  # noqa: S307 - our own text
 
 
-@pytest.mark.long
-def test_a_thousand_joints_expand(arm: Robot, tmp_path: Path) -> None:
-    """Nothing recurses over the chain."""
-    turn, link = arm.joints[2], arm.links[2]
-    robot = replace(
-        arm,
-        links=tuple(replace(link, name=f"link_{i}") for i in range(1001)),
-        joints=tuple(replace(turn, name=f"joint_{i}", parent=f"link_{i}", child=f"link_{i + 1}") for i in range(1000)),
-    )
-    assert len(read_xacro(write(robot, tmp_path)).joints) == 1000
+# --- The reader
+
+
+def written(path: Path, body: str) -> Path:
+    path.write_text(SCENE.format(body), encoding="utf-8")
+    return path
+
+
+def test_the_robot_is_the_one_that_xacro_expands(tmp_path: Path) -> None:
+    """Arguments have their defaults, expressions their values."""
+    path = written(tmp_path / "r.xacro", '<xacro:arg name="side" default="left"/><link name="$(arg side)_${1 + 1}"/>')
+    assert [link.name for link in read_xacro(path).links] == ["left_2"]
+    assert b'name="right_2"' in expand(path, {"side": "right"})
+
+
+def test_a_folder_with_brackets_is_no_pattern(tmp_path: Path) -> None:
+    """xacro takes an included file's name for a pattern; the folder of the file has no part in it."""
+    folder = tmp_path / "arms [2024]*"
+    folder.mkdir()
+    written(folder / "part.xacro", '<link name="l"/>')
+    path = written(folder / "r.xacro", '<xacro:include filename="part.xacro"/>')
+    assert [link.name for link in read_xacro(path).links] == ["l"]
+
+
+def test_nothing_is_printed_and_no_state_is_left(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """xacro prints warnings to the terminal and keeps its root folder in a global."""
+    import xacro
+
+    before = xacro.root_dir
+    read_xacro(written(tmp_path / "r.xacro", '<xacro:property name="pi" value="3"/><link name="l" xacro:x="1"/>'))
+    with pytest.raises(ProofError):
+        read_xacro(tmp_path / "none.xacro")
+    assert capfd.readouterr() == ("", "")
+    assert xacro.root_dir == before

@@ -95,10 +95,8 @@ class TestTypedLengths:
             row("lift", a=-0.6),
             row("lift", a=-0.6, visual=shape(0.0)),  # in the frame after the row
             row("lift", a=-0.6, visual=shape(0.3)),  # in the middle of the link, as that of a box
-            row("lift", a=-0.6, visual=shape(0.6005)),
             row("lift", a=-0.6, visual=shape(-0.5)),  # beyond the frame
             row("lift", a=-0.6, visual=shape(0.5, 0.1)),  # drawn from anywhere
-            row("lift", d=0.3, alpha=1.0, visual=shape(0.0, 0.1, 0.2)),
         ],
     )
     def test_what_says_nothing_of_lengths(self, silent: DHRow) -> None:

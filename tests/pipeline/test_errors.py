@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import inspect
 import pickle
-import sys
 from typing import Literal
 
 import pytest
@@ -114,19 +113,3 @@ class TestLists:
                 "a.csv:4: error: line 4",
             ]
             assert [problem.message for problem in each.notices] == ["line 1", "line 3"]
-
-
-class TestMessages:
-    def test_of_a_dependency_that_lacks_a_library(self) -> None:
-        """It is installed, so that installing it again would change nothing; where it is not, nothing else is said."""
-        lacks = ImportError("libglib-2.0.so.0: cannot open\nshared object file")
-        error = MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", lacks)
-        assert str(error) == (
-            "loader 'drake' needs drake, which is installed and cannot be imported: libglib-2.0.so.0: cannot open "
-            "shared object file; a library of the system is installed with the system's package manager"
-        )
-        assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - made here
-        absent = ModuleNotFoundError("No module named 'pydrake'")
-        assert str(MissingDependencyError("loader 'drake'", "drake", "dh2urdf[drake]", absent)).endswith(
-            f"needs drake: {sys.executable} -m pip install 'dh2urdf[drake]'"
-        )

@@ -118,13 +118,6 @@ def test_a_multiple_of_a_quarter_turn_is_known_as_one(angle: float, turns: int) 
     assert quarter_turns(angle) == turns
 
 
-@given(st.integers(-40, 40))
-def test_quarter_turns_have_whole_cosines_and_sines(turns: int) -> None:
-    """-1, 0 and 1, never 6.1e-17."""
-    c, s = cos_sin(turns * HALF_PI)
-    assert (c, s) == (round(math.cos(turns * HALF_PI)), round(math.sin(turns * HALF_PI)))
-
-
 rotations = st.builds(lambda *rpy: rotation_from_rpy(rpy), angles, angles, angles)
 
 
@@ -185,13 +178,6 @@ def test_the_rotations_of_a_column_are_those_of_its_angles(rolls: list[float], y
     back = rpy_from_rotation(together)
     expected = [rpy_from_rotation(rotation) for rotation in single]
     assert list(zip(*(np.broadcast_to(angle, size).tolist() for angle in back), strict=True)) == expected
-
-
-@given(st.lists(st.tuples(*[st.floats(-1e3, 1e3)] * 3), min_size=1, max_size=5))
-def test_the_lengths_of_a_column_are_those_of_its_vectors(vectors: list[Vec3]) -> None:
-    """To the last bit."""
-    x, y, z = (np.array(column) for column in zip(*vectors, strict=True))
-    assert norm((x, y, z)).tolist() == [norm(vector) for vector in vectors]  # type: ignore[attr-defined, arg-type]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from trove_classifiers import classifiers
 
 from dh2urdf import __version__
 from dh2urdf.plugin_system import KINDS
-from dh2urdf.scaffold import LONGEST, stage_name
+from dh2urdf.scaffold import LONGEST
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,12 +61,6 @@ def test_what_comes_next_can_be_typed(cli: Callable[..., Answer], tmp_path: Path
     (tmp_path / "our plugins").mkdir()
     said = cli("new-plugin", "lab", "--kind", "reader", "--dir", "our plugins").stdout
     assert "    cd 'our plugins/lab'\n" in said
-
-
-def test_the_stage_goes_without_the_prefix() -> None:
-    """Distributions of plugins are called dh2urdf-something; nobody wants to type that in a run file."""
-    assert stage_name("dh2urdf-lab-7") == "lab-7"
-    assert stage_name("lab-7") == "lab-7"
 
 
 NAMES = ("My_Lab", "7lab", "lab--7", "", "łab", "../lab", "a" * (LONGEST + 1), "class", "json", "numpy")

@@ -36,18 +36,13 @@ def test_degrees_read_back_to_a_rounding(value: float) -> None:
     ("value", "unit", "text"),
     [
         (math.pi / 2, "rad", "pi/2"),
-        (-math.pi, "rad", "-pi"),
         (3 * math.pi / 4, "rad", "3*pi/4"),
         (-math.pi / 6, "rad", "-pi/6"),
         (1.5708, "rad", "1.5708"),
-        (0.0, "rad", "0"),
         (-0.0, "m", "0"),
-        (math.pi / 2, "deg", "90"),
         (math.radians(-12.5), "deg", "-12.5"),
         (0.10915, "mm", "109.15"),
-        (-0.425, "cm", "-42.5"),
         (1e-9, "m", "0.000000001"),
-        (1000.0, "m", "1000"),
     ],
 )
 def test_numbers_are_written_as_people_write_them(value: float, unit: str, text: str) -> None:
@@ -110,12 +105,10 @@ class TestPlaces:
         ("line", "column", "found"),
         [
             (3, 1, (0, "a")),
-            (3, 5, (0, "d")),
             (3, 7, (0, "d")),
             (3, None, (0, None)),
             (1, 15, (None, "convention")),
             (2, 1, (None, None)),
-            (9, 1, (None, None)),
             (None, None, (None, None)),
         ],
     )

@@ -17,7 +17,6 @@ from dh2urdf.source import Mark
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from conftest import Answer
 
 IN_MM = np.array([[0, 0, 0, 340], [-np.pi / 2, 0, 0, 0], [np.pi / 2, 0, 0, 400]])
 HOW: dict[str, Any] = {"columns": ["alpha", "a", "theta", "d"], "convention": "modified"}
@@ -120,14 +119,6 @@ class TestReaderOfAPlugin:
         assert texts(found) == [str(notice) for notice in arm.notices]
         assert len(found) == 1
         assert str(found[0].message).startswith(f"{words}:line 1, row 1: notice: ")
-
-    def test_errors_name_file_and_row(self, words: Path, cli: Callable[..., Answer]) -> None:
-        """Of `from_dh` in a reader: the file, the table's place in it, row and column."""
-        words.write_text("0.4 0 0.1\n0.3 ninety 0\n")
-        for command in ("convert", "info"):
-            assert "long.words:line 1, row 2, column alpha: error: " in cli(command, words.name, status=2).stderr
-        with pytest.raises(dh2urdf.errors.TableError, match=r"long\.words:line 1, row 2, column alpha"):
-            dh2urdf.read(words)
 
 
 def test_the_place_of_a_table() -> None:

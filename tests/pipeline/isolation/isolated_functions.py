@@ -28,10 +28,6 @@ from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, ReadsOutput, Reusable
 
 
-def double(number: float) -> float:
-    return 2 * number
-
-
 def print_everywhere() -> str:
     libc = ctypes.CDLL(None)
     print("from Python")
@@ -155,11 +151,6 @@ def refuse(problem: Problem) -> NoReturn:
     error = ProofError([problem, problem], [problem])
     error.add_note("a note")
     raise error
-
-
-def double_from_a_worker(number: float) -> float:
-    """What a worker of a process pool does: it starts a child itself."""
-    return run_in_child(double, number, timeout=60).value
 
 
 def load(request: LoadRequest, _options: NoOptions) -> LoadReport:

@@ -7,7 +7,6 @@ import struct
 import subprocess
 import sys
 import threading
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,12 +23,6 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 LONG = 60.0
-
-
-def test_large_arguments_and_values_pass(functions: ModuleType) -> None:
-    """Neither side waits for a full pipe: two megabytes go there and back."""
-    data = bytes(range(256)) * 8192
-    assert run_in_child(functions.as_it_is, data, timeout=LONG, encoding=Data(bytes)).value == data
 
 
 def test_everything_printed_is_caught(functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
@@ -184,12 +177,6 @@ def test_child_leaves_with_a_killed_parent(
         assert soon(pids.exists)
         parent.kill()
     assert soon(lambda: not any(is_running(int(pid)) for pid in pids.read_text().split()))
-
-
-def test_worker_of_a_process_pool_may_start_one(functions: ModuleType) -> None:
-    """It works inside a worker of a process pool."""
-    with ProcessPoolExecutor(1) as pool:
-        assert pool.submit(functions.double_from_a_worker, 21).result(timeout=LONG) == 42
 
 
 def test_script_needs_no_main_guard(tmp_path: Path) -> None:

@@ -21,10 +21,9 @@ from dh2urdf.kinematics import (
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, rotation_from_rpy
+from dh2urdf.testing.oracle import table_pose
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from conftest import ReferenceRobot  # type: ignore[import-not-found]
     from numpy.typing import NDArray
 
@@ -49,24 +48,6 @@ def shift(x: float = 0, y: float = 0, z: float = 0) -> NDArray[np.float64]:
     matrix = np.eye(4)
     matrix[:3, 3] = x, y, z
     return matrix
-
-
-def row_matrix(convention: Convention, row: DHRow, q: float) -> NDArray[np.float64]:
-    theta, d = row.theta, row.d
-    if row.type in (JointType.REVOLUTE, JointType.CONTINUOUS):
-        theta += row.offset + row.sign * q
-    elif row.type is JointType.PRISMATIC:
-        d += row.offset + row.sign * q
-    joint, link = turn("z", theta) @ shift(z=d), shift(x=row.a) @ turn("x", row.alpha)
-    return joint @ link if convention is STANDARD else link @ joint
-
-
-def table_matrix(table: Manipulator, q: Sequence[float]) -> NDArray[np.float64]:
-    values = iter(q)
-    matrix = homogeneous(table.base)
-    for row in table.rows:
-        matrix = matrix @ row_matrix(table.convention, row, 0 if row.type is JointType.FIXED else next(values))
-    return matrix @ homogeneous(table.tool)
 
 
 def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
@@ -112,7 +93,8 @@ class TestRowTransform:
         self, convention: Convention, a: float, alpha: float, d: float, theta: float
     ) -> None:
         """Rz(theta)·Tz(d)·Tx(a)·Rx(alpha) in the standard convention, the last two first in the modified one."""
-        expected = row_matrix(convention, row(a=a, alpha=alpha, d=d, theta=theta), 0)
+        fixed = row(a=a, alpha=alpha, d=d, theta=theta, type=JointType.FIXED)
+        expected = table_pose(arm(fixed, convention=convention), [])
         found = homogeneous(dh_transform(convention, a=a, alpha=alpha, d=d, theta=theta))
         np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
 
@@ -139,7 +121,7 @@ class TestForwardKinematics:
         table, q = case
         np.testing.assert_allclose(
             homogeneous(forward_kinematics(table, q)),
-            table_matrix(table, q),
+            table_pose(table, q),
             rtol=0,
             atol=12 * ROUNDING * max(1, reach(table)),
         )
@@ -176,7 +158,9 @@ class TestManyAtOnce:
         assert found.shape == (4, 5, 4, 4)
         for i, j in np.ndindex(4, 5):
             single = row(a=0.3, alpha=alpha[i], d=0.1, theta=theta[j], type=JointType.FIXED)
-            np.testing.assert_allclose(found[i, j], row_matrix(convention, single, 0), rtol=0, atol=1e-15)
+            np.testing.assert_allclose(
+                found[i, j], table_pose(arm(single, convention=convention), []), rtol=0, atol=1e-15
+            )
 
     @pytest.mark.parametrize("shape", [(), (3,), (2, 3), (0,)])
     def test_joint_vectors_of_any_leading_shape(self, shape: tuple[int, ...]) -> None:
@@ -186,7 +170,7 @@ class TestManyAtOnce:
         found = pose_matrices(table, q)
         assert found.shape == (*shape, 4, 4)
         for index in np.ndindex(shape):
-            np.testing.assert_allclose(found[index], table_matrix(table, q[index]), rtol=0, atol=1e-15)
+            np.testing.assert_allclose(found[index], table_pose(table, q[index]), rtol=0, atol=1e-15)
 
 
 def chain_robot() -> Robot:

@@ -16,31 +16,22 @@ DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
     ("text", "dimension", "unit", "value"),
     [
         ("0.3", LENGTH, None, 0.3),
-        (" .3 ", LENGTH, None, 0.3),
-        ("3.", LENGTH, None, 3.0),
         ("+3e-1", LENGTH, None, 0.3),
-        ("109.15", LENGTH, MILLIMETRES, 0.10915),
         ("-425 mm", LENGTH, None, -0.425),
         ("1e3mm", LENGTH, None, 1.0),
         ("1e308-pi", LENGTH, None, 1e308),
         ("0.10915 m", LENGTH, MILLIMETRES, 0.10915),
-        ("8.23 cm", LENGTH, None, 0.0823),
         ("90", ANGLE, DEGREES, math.pi / 2),
-        ("90°", ANGLE, None, math.pi / 2),
         ("90\N{WHITE BULLET}", ANGLE, None, math.pi / 2),
         ("−90 \N{RING OPERATOR}", ANGLE, None, -math.pi / 2),
-        ("-90 deg", ANGLE, None, -math.pi / 2),
-        ("pi/2", ANGLE, None, math.pi / 2),
         ("−π/2", ANGLE, None, -math.pi / 2),  # U+2212
         ("–π/2", ANGLE, None, -math.pi / 2),  # U+2013: what PDF copies make of a minus
         ("np.pi/2", ANGLE, None, math.pi / 2),
         ("-M_PI/2", ANGLE, None, -math.pi / 2),
         ("PI()/2", ANGLE, None, math.pi / 2),
-        ("2*pi", ANGLE, None, 2 * math.pi),
         ("2 × π", ANGLE, None, 2 * math.pi),
         ("pi/2 rad", ANGLE, DEGREES, math.pi / 2),
         ("2pi", ANGLE, None, 2 * math.pi),
-        ("0.5π", ANGLE, None, math.pi / 2),
         ("2π/3", ANGLE, None, 2 * math.pi / 3),
         ("-3 pi/2", ANGLE, None, -3 * math.pi / 2),
         ("2*45 deg", ANGLE, None, math.pi / 2),
@@ -48,15 +39,10 @@ DEGREES, MILLIMETRES = find_unit("deg", ANGLE), find_unit("mm", LENGTH)
         ("np.deg2rad(90)", ANGLE, None, math.pi / 2),
         ("sqrt(2)/10", LENGTH, None, math.sqrt(2) / 10),
         ("0.3*sin(pi)", LENGTH, None, 0.0),
-        ("0.1 + 0.02", LENGTH, None, 0.1 + 0.02),
         ("100 mm + 2 cm", LENGTH, None, 0.1 + 0.02),
         ("0.1 - -0.02", LENGTH, None, 0.1 + 0.02),
         ("(1 - 0.5)*(2 + 2)", LENGTH, None, 2.0),
         ("(425 mm)/(1000 mm)", Dimension.NUMBER, None, 0.425),
-        ("180 deg/s", Dimension.TURN_RATE, None, math.pi),
-        ("250 mm/s", Dimension.SPEED, None, 0.25),
-        ("3.7 kg", Dimension.MASS, None, 3.7),
-        ("150 Nm", Dimension.EFFORT, None, 150.0),
         ("1.57079632679489661923132169163975144209858", ANGLE, None, math.pi / 2),
     ],
 )
@@ -78,22 +64,15 @@ def test_a_comma_may_be_the_decimal_point_where_the_table_says_so() -> None:
 @pytest.mark.parametrize(
     ("text", "kind", "row", "value", "sign"),
     [
-        ("q2", "q", 2, 0.0, 1),
         ("q", "q", None, 0.0, 1),
-        ("θ2", "theta", 2, 0.0, 1),
         ("θ₂", "theta", 2, 0.0, 1),
-        ("theta_2", "theta", 2, 0.0, 1),
         (r"\theta_{2}", "theta", 2, 0.0, 1),
         ("theta_i", "theta", None, 0.0, 1),
-        ("theta2*", "theta", 2, 0.0, 1),
         ("theta2* + pi/2", "theta", 2, math.pi / 2, 1),
-        ("q2 + pi/2", "q", 2, math.pi / 2, 1),
         ("q2 + 90°", "q", 2, math.pi / 2, 1),
         ("-q2", "q", 2, 0.0, -1),
         ("pi/2 - q2", "q", 2, math.pi / 2, -1),
-        ("theta2*+pi/2", "theta", 2, math.pi / 2, 1),
         ("theta2* - 90°", "theta", 2, -math.pi / 2, 1),
-        ("q2 * -1", "q", 2, 0.0, -1),
         ("q2*(-1)", "q", 2, 0.0, -1),
         ("-1*q2", "q", 2, 0.0, -1),
     ],
@@ -154,24 +133,15 @@ def test_what_is_no_length_is_refused(text: str) -> None:
     [
         ("3 - 4", -1.0),
         ("1 / 2 / 4", 0.125),
-        ("1/2", 0.5),
-        ("100-50", 50.0),
         ("0.5–0.3", 0.5 - 0.3),
-        ("0.3 - 0.5", 0.3 - 0.5),
-        ("3*10 - 3", 27.0),
         ("3×10-0.3", 29.7),
         ("0.9/-0.3", 0.9 / -0.3),
         ("2*pi*0.05", 2 * math.pi * 0.05),
         ("pi/2 m", math.pi / 2),
-        ("0.3*sin(pi/2)", 0.3),
-        ("0*pi", 0.0),
-        ("0 / 90", 0.0),
         *(("0.3 / 0.4", 0.3 / 0.4), ("425/2", 212.5), ("25/32", 25 / 32), ("0.5/3", 0.5 / 3), ("300/1000", 0.3)),
         *(("7387/2540", 7387 / 2540), ("10.0/25.4", 10 / 25.4), ("-4291/3048", -4291 / 3048)),  # inches and feet
         ("-(425)", -425.0),
         ("(0.0)", 0.0),
-        ("(1+2)", 3.0),
-        ("1E+03", 1000.0),
     ],
 )
 def test_what_has_one_meaning_is_read(text: str, value: float) -> None:
@@ -201,12 +171,6 @@ def test_a_bare_angle_of_a_function_is_in_rad_where_nothing_else_is_said() -> No
     """Up to a full turn; more is read where radians are declared."""
     assert evaluate("cos(6.28)", LENGTH).value == pytest.approx(math.cos(6.28), abs=1e-15)
     assert evaluate("cos(60)", LENGTH, angle=find_unit("rad", ANGLE)).value == pytest.approx(math.cos(60), abs=1e-15)
-
-
-def test_pi_in_a_column_of_degrees_is_refused() -> None:
-    """π/2 degrees is surely not meant, and π/2 rad is not declared."""
-    with pytest.raises(QuantityError):
-        evaluate("pi/2", ANGLE, DEGREES)
 
 
 @pytest.mark.parametrize(

@@ -35,9 +35,9 @@ from dh2urdf.report.manifest import EXAMPLES, FULL, ManifestWriter, reproduction
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
-    from conftest import Answer, ReferenceRobot
+    from conftest import ReferenceRobot
     from lxml.html import HtmlElement
 
 ROOT = Path(__file__).parents[3]
@@ -398,26 +398,6 @@ class TestRuns:
         config = RUN.replace("directory: out", f"directory: out, layout: {layout}, size: 1")
         tree = run(tmp_path, f"{config}loaders: {{stage: pybullet, options: {{poses: 1}}}}\n")
         assert [image.get("alt").split(" ")[0] for image in tree.xpath("//img")] == ["arm", "leg"]
-
-    def test_a_run_that_goes_on_has_the_page_of_one_that_was_never_stopped(self, tmp_path: Path) -> None:
-        """Manipulators that are kept are shown as those that are made."""
-        (tmp_path / "arms.csv").write_text(table(["arm", "leg", "hand"]))
-        run(tmp_path, RUN)
-        whole = (tmp_path / "out" / "report.html").read_bytes()
-        (tmp_path / "out" / "leg.urdf").unlink()
-        run(tmp_path, RUN, resume=True)
-        assert (tmp_path / "out" / "report.html").read_bytes() == whole
-
-    def test_without_its_packages_a_line_says_how_to_get_it(
-        self, cli: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        """The run is done, and the summary ends with what to type; not where nobody wants the page."""
-        monkeypatch.setattr("dh2urdf.cli.run.can_write_html", lambda: False)
-        monkeypatch.setattr("dh2urdf.running.run.can_write_html", lambda: False)
-        _file(tmp_path, "run.yaml", RUN, arms=table(["arm"]))
-        assert cli("run", "run.yaml").stdout.splitlines()[-1].endswith("pip install 'dh2urdf[report]'")
-        assert not (tmp_path / "out" / "report.html").exists()
-        assert "dh2urdf[report]" not in cli("run", "run.yaml", "--set", "report.html=false").stdout
 
 
 class TestDrawings:

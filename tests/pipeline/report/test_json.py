@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf import __version__
 from dh2urdf.conversion.outcome import Outcome, to_line, to_text
 from dh2urdf.output.store import open_store
-from dh2urdf.report.manifest import REPORTED, SCHEMA, ManifestWriter, run_report, write_reports, write_timing
+from dh2urdf.report.manifest import REPORTED, ManifestWriter, run_report, write_reports, write_timing
 from dh2urdf.tasks.batch_report import BatchReport, Result
 
 if TYPE_CHECKING:
@@ -47,22 +46,6 @@ def result(*reports: BatchReport) -> Result:
 
 def batch(**statuses: int) -> BatchReport:
     return BatchReport(first=0, rows=b"", statuses=Counter(statuses), kinds=Counter())
-
-
-def test_a_run_has_schema_version_status_and_manipulators() -> None:
-    """The whole has the form that is promised, in the order of the run, and the rows are those of the manifest."""
-    report = run_report(manifest([ARM, BAD]), result(batch(ok=1, failed=1)))
-    assert report == {
-        "schema": SCHEMA,
-        "version": __version__,
-        "exit_status": 1,
-        "reproduction": TOLD,
-        "coverage": {},
-        "simulator_notices": [],
-        "manipulators": [ARM, BAD],
-        "left_out": 0,
-        "axes": [],
-    }
 
 
 def test_the_report_of_a_long_run_is_cut() -> None:

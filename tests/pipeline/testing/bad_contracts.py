@@ -71,17 +71,11 @@ BREACHES: list[Case] = [
     *of(EmitterContract, EMITTER, [
         ({"name": "My Emitter"}, "record", "the name 'My Emitter'"),
     ]),
-    *of(EmitterContract, {"name": "bad"}, [
-        ({}, "record", "dict {'name': 'bad'}"),
-    ]),
     *of(EmitterContract, EMITTER, [
         ({"options": lab.Unexplained}, "options", "'speed' has no description"),
         ({"options": lab.Unmeasured}, "options", "'speed' measures 'lenght'"),
         ({"options": lab.Required}, "options", "'speed' has no default"),
         ({"options": lab.Thawed}, "options", "Thawed is a dataclass that can be changed"),
-        ({"options": lab.Listed}, "options", "a value that can be changed (unhashable"),
-        ({"options": lab.Unequal}, "options", "Unequal(speed=1.0) and "),
-        ({"options": lab.Strange}, "options", "pydantic cannot say what its options are"),
         ({}, "registering_imports_nothing_heavy", "no installed plugin provides the emitter"),
     ]),
     *of(Heavy, EMITTER, [
@@ -105,17 +99,13 @@ BREACHES: list[Case] = [
         ({"read": lab.read_with_cache}, "does_nothing_else", "table.cache"),
         ({"read": lab.read_carelessly}, "raises_documented_errors_only", "Error: "),
         ({"read": lab.read_elsewhere}, "errors_name_the_file", "Manipulator.from_dh():row 1"),
-        ({"trace": lab.trace_another}, "traces_what_it_reads", "once 'arm' and once 'another'"),
         ({"trace": lab.trace_nothing}, "traces_what_it_reads", "0 rows in the trace of 'arm', which"),
         ({"trace": lab.trace_in_millimetres}, "traces_what_it_reads", "'0.5' in mm as a of "),
         ({"read_columns": lab.read_columns_without_marks}, "reads_columns_as_tables", ".mark is once "),
-        ({"read_columns": lab.read_columns_twice}, "reads_columns_as_tables", "ValueError"),
         (IN_METRES, "reads_cells_as_files", "[(400.0, 1.57"),
         (WITHOUT_PLACES, "reads_cells_as_files", "['cells of a test:3'] for a cell that is no number"),
     ]),
     *of(TransformContract, TRANSFORM, [
-        ({"transform": subtle.refuse}, "is_deterministic", " is once 'error: "),
-        ({"transform": subtle.raise_at_a_good_arm}, "does_nothing_else", "KeyError: 'p"),
         ({"transform": lab.transform_without_masses}, "makes_robots_that_readers_take", "moves and has no mass"),
         ({"transform": lab.transform_without_tool}, "keeps_the_kinematics", "tool0 of 'panda' is off by 0.107 m"),
         ({"transform": lab.transform_with_log}, "does_nothing_else", "subprocess.Popen"),
@@ -125,12 +115,9 @@ BREACHES: list[Case] = [
         ({"edit_table": lab.edit_name}, "returns_what_it_was_given", "the name 'ur5_2' for the Manip"),
         ({"edit_robot": lab.edit_loosely}, "robots_stay_what_readers_take", "of the arm 'ur5': "),
         ({"edit_robot": lab.edit_tool}, "keeps_the_kinematics", "'ur5' is off by 0.168 m"),
-        ({"edit_table": lab.edit_by_force}, "keeps_its_input", "rows is once "),
-        ({"edit_table": lab.edit_carelessly}, "raises_documented_errors_only", "math domain error"),
         (BY_FIRST, "many_at_once_are_the_same", "rows[0].d is once"),
     ]),
     *of(EmitterContract, EMITTER, [
-        ({"emit": subtle.emit_through_c}, "does_nothing_else", "left the file arm-7.xml"),
         ({"emit": subtle.emit_and_move}, "does_nothing_else", "os.chdir of .."),
         ({"emit": subtle.emit_and_watch}, "does_nothing_else", "left the thread watcher"),
         ({"emit": subtle.emit_lambdas}, "does_nothing_else", "returns cannot be pickled: "),
@@ -144,7 +131,6 @@ BREACHES: list[Case] = [
     *of(EmitterContract, EMITTER, [
         ({"emit": lab.emit_unescaped}, "files_are_well_formed", "arm-7.bad.xml of the robot"),
         ({"emit": lab.emit_by_hash}, "is_deterministic", "[0][0].content is once "),
-        ({"emit": lab.emit_ascii}, "raises_documented_errors_only", "UnicodeEncodeError: "),
         (ROUNDED, "reads_back_the_same_arm", "tool0 of 'ur5' is off by "),
         ({"check": lab.check}, "finds_no_fault_in_its_own_files", "it is no good"),
         ({"emit_columns": lab.emit_columns}, "many_at_once_are_the_same", "[0].content is once "),
@@ -162,7 +148,6 @@ BREACHES: list[Case] = [
     ]),
     *of(ExecutorContract, EXECUTOR, [
         ({"map": subtle.whoever_is_done}, "results_come_in_order", " 20, 2"),
-        ({"map": lab.with_other_errors}, "results_come_in_order", "RuntimeError('a task"),
         ({"map": lab.by_name}, "results_come_in_order", "AttributeError("),
         ({"map": lab.all_at_once}, "takes_tasks_as_they_are_needed", "10001 tasks were taken before 40 results"),
         ({"map": lab.in_a_pool}, "a_worker_that_ends_costs_one_task", "BrokenProcessPool"),

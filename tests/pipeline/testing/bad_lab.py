@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
-import os
 import subprocess
 import sys
 import time
@@ -63,21 +61,6 @@ class Required:
 @dataclass(kw_only=True)
 class Thawed:
     speed: float = field(default=1.0, metadata={"help": "how fast"})
-
-
-@dataclass(frozen=True, kw_only=True)
-class Listed:
-    names: list[str] = field(default_factory=list, metadata={"help": "which"})
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Unequal:
-    speed: float = field(default=1.0, metadata={"help": "how fast"})
-
-
-@dataclass(frozen=True, kw_only=True)
-class Strange:
-    lock: os.PathLike[Any] | io.StringIO | None = field(default=None, metadata={"help": "what"})
 
 
 # --- Readers
@@ -141,11 +124,6 @@ def trace(path: Path, options: Any, its: Any) -> Any:
         yield table
 
 
-def trace_another(path: Path, options: Any, its: Any) -> Any:
-    for table in trace(path, options, its):
-        yield replace(table, name="another")
-
-
 def trace_nothing(path: Path, options: Any, _its: Any) -> Any:
     return read(path, options)
 
@@ -167,11 +145,6 @@ def read_columns_without_marks(path: Path, options: Any) -> Any:
     for item in read_columns(path, options):
         groups = [(places, replace(some, marks=(None,) * len(places))) for places, some in item.groups]
         yield ManipulatorGroups(groups=tuple(groups))
-
-
-def read_columns_twice(path: Path, options: Any) -> Any:
-    for item in read_columns(path, options):
-        yield ManipulatorGroups(groups=item.groups * 2)
 
 
 def read_cells_in_metres(rows: Any, file: str, options: Any) -> Any:
@@ -245,13 +218,6 @@ def edit_tool(robot: Robot, _options: Any) -> Robot:
     return replace(robot, joints=(*robot.joints[:-1], replace(last, origin=Origin(xyz=(0.0, 0.0, 0.25)))))
 
 
-def edit_carelessly(manipulator: Manipulator, _options: Any) -> Manipulator:
-    for row in manipulator.rows:
-        if row.mass is not None:
-            math.sqrt(row.mass)
-    return manipulator
-
-
 def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
     def first(number: Any) -> Any:
         return float(number[0]) if hasattr(number, "ndim") else number
@@ -259,12 +225,6 @@ def edit_by_first(manipulator: Manipulator, _options: Any) -> Manipulator:
     return replace_unchecked(
         manipulator, rows=tuple(replace_unchecked(row, d=first(row.d)) for row in manipulator.rows)
     )
-
-
-def edit_by_force(manipulator: Manipulator, _options: Any) -> Manipulator:
-    given = replace(manipulator)
-    object.__setattr__(manipulator, "rows", manipulator.rows[:1])
-    return given
 
 
 EDIT = Edit(name="bad", summary="bad", options=NoOptions, edit_table=edit_table)
@@ -294,10 +254,6 @@ def emit_unescaped(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
 def emit_by_hash(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
     names = {link.name for link in robot.links}
     return [EmittedFile(name=f"{stem}.bad", content=",".join(names).encode())]
-
-
-def emit_ascii(robot: Robot, stem: str, _options: Any) -> list[EmittedFile]:
-    return [EmittedFile(name=f"{stem}.bad", content=robot.name.encode("ascii"))]
 
 
 _WRITTEN: dict[str, Robot] = {}
@@ -393,13 +349,6 @@ LOADER = Loader(name="bad", summary="bad", open=load, options=Three)
 def all_at_once(function: Any, tasks: Any, _options: Any) -> Any:
     with ThreadPoolExecutor(2) as pool:
         yield from pool.map(function, tasks)
-
-
-def with_other_errors(function: Any, tasks: Any, _options: Any) -> Any:
-    try:
-        yield from map(function, tasks)
-    except ZeroDivisionError as error:
-        raise RuntimeError("a task failed") from error
 
 
 def by_name(function: Any, tasks: Any, _options: Any) -> Any:

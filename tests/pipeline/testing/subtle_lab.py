@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import bad_lab
 import subtle_helper
-from lxml import etree
 
-from dh2urdf.errors import TableError, TransformError
+from dh2urdf.errors import TableError
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.source import Problem
 from dh2urdf.stages import EmittedFile, Loader, Rejected, Requires
@@ -50,22 +49,7 @@ def read_and_reject(path: Path, options: Any) -> Iterator[Any]:
 # --- Transforms
 
 
-def refuse(manipulator: Any, options: Any) -> Robot:
-    if len(manipulator.rows) < 2:
-        raise TransformError(by_hash())
-    return bad_lab.transform(manipulator, options)
-
-
-def raise_at_a_good_arm(manipulator: Any, _options: Any) -> Robot:
-    return {"ur5": bad_lab.transform(manipulator, None)}[manipulator.name]
-
-
 # --- Emitters
-
-
-def emit_through_c(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:
-    etree.ElementTree(etree.Element("robot")).write(f"{stem}.xml")
-    return bad_lab.emit(robot, stem, options)
 
 
 def emit_and_move(robot: Robot, stem: str, options: Any) -> list[EmittedFile]:

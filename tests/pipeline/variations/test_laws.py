@@ -8,16 +8,12 @@ from hypothesis import assume, given, strategies as st
 
 from dh2urdf.variations.laws import (
     Choices,
-    Grid,
     LogUniform,
     Normal,
     Offset,
     Scale,
     Uniform,
     evenly_spaced,
-    is_relative,
-    normal_cdf,
-    normal_quantile,
 )
 
 NUMBERS = st.floats(-1e6, 1e6)
@@ -75,31 +71,8 @@ def test_choices_are_equally_likely(count: int, u: float) -> None:
     assert Choices(values=tuple(map(float, range(count)))).draw(u) == math.floor(u * count)
 
 
-def test_what_starts_from_the_nominal_value() -> None:
-    """Scales, offsets, and a normal distribution without a mean; they say so where there is none."""
-    relative = [Scale(low=1, high=2), Offset(low=1, high=2), Normal(mean=None, deviation=1, low=0, high=1)]
-    others = [
-        Choices(values=(1.0,)),
-        Grid(values=(1.0,)),
-        Uniform(low=1, high=2),
-        LogUniform(low=1, high=2),
-        Normal(mean=0.0, deviation=1, low=0, high=1),
-    ]
-    assert all(map(is_relative, relative))
-    assert not any(map(is_relative, others))
-    for law in relative:
-        with pytest.raises(ValueError, match="needs a nominal value"):
-            law.draw(0.5)
-
-
 def test_even_spaces_end_where_they_should() -> None:
     """Both ends are exact."""
     assert evenly_spaced(0.1, 0.7, 4) == pytest.approx((0.1, 0.3, 0.5, 0.7), abs=1e-15)
     assert evenly_spaced(0.1, 0.7, 4)[-1] == 0.7
     assert evenly_spaced(-1.0, 1.0, 2) == (-1.0, 1.0)
-
-
-def test_nothing_is_left_far_out() -> None:
-    """Beyond ten standard deviations, it is 0 or 1."""
-    assert (normal_cdf(-11.0), normal_cdf(11.0)) == (0.0, 1.0)
-    assert (normal_quantile(0.0), normal_quantile(1.0)) == (-10.0, 10.0)

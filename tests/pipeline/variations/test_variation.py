@@ -237,15 +237,6 @@ class TestTables:
         keys = [set(each) - {"type_1"} for each in values]
         assert keys == [{"lower_1", "effort_1"}, {"effort_1"}, {"lower_1", "effort_1"}, set()]
 
-    def test_no_notice_asks_whether_a_drawn_angle_was_meant(self, cli: Callable[..., Answer], tmp_path: Path) -> None:
-        """Angles near a quarter turn are what such a variation is for."""
-        (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.4,pi/2,0\n0.3,0,0.1\n")
-        (tmp_path / "run.yaml").write_text(
-            "inputs: arm.csv\n"
-            "variations: {of: arm, count: 5, vary: [{joints: 1, field: alpha, offset: [1e-4, 1e-3]}]}\n"
-        )
-        assert cli("run", "run.yaml").stderr == ""
-
 
 class TestImpossible:
     def test_exchanged_bounds_fail_alone(self) -> None:
@@ -298,8 +289,6 @@ class TestBinding:
             ("axes-too-many", [rule("axes", Choices(values=(4,)))], {}),
             ("start-missing", [rule("radius", SCALE, 1)], {}),
             ("varied-twice", [rule("a", SCALE, 2), rule("a", UNIFORM, "lift")], {}),
-            ("varied-twice", [rule("a", SCALE, 2, "lift")], {}),
-            ("varied-twice", [rule("axes", Choices(values=(1,))), rule("axes", Choices(values=(2,)))], {}),
             ("start-of-other-type", [rule("type", Choices(values=("prismatic",)), 1), rule("upper", SCALE, 1)], {}),
             ("bounds-off-nominal", [rule("d", Normal(mean=None, deviation=0.001, low=3.0, high=4.0), 4)], {}),
             ("other-measure", [ANGLES], {}),

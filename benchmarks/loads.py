@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from arms import LONG, write_table
 from measuring import in_turn, machine, seconds, table
 
+from dh2urdf.conversion.loads import KeptChildren, load_in_child
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.catalog import load
-from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import LoadRequest
 
 if TYPE_CHECKING:

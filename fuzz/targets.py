@@ -30,12 +30,12 @@ from dh2urdf.errors import (
 from dh2urdf.kinematics.chain import forward_kinematics, link_poses
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import prove
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.quantities import Dimension, QuantityError, evaluate, find_unit
 from dh2urdf.robot_check import check_robot
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
-from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
 from dh2urdf_plugins.formats.sdf.reader import parse_sdf

@@ -27,11 +27,11 @@ from variation_sections import TABLES, make_section
 
 from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.plugin_system.catalog import Catalog, load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
-from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Executor, NoOptions
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ WEAR = '    "wear": RowField(Dimension.NUMBER, negative=False),\n'
 ADDED = {
     "pipeline/dh2urdf/manipulator.py": (OLD, f"{NEW}    wear: float | None = None\n"),
     "pipeline/dh2urdf/robot.py": (OLD, NEW),
-    "pipeline/dh2urdf/row_fields.py": (
+    "pipeline/dh2urdf/columns.py": (
         "    **dict.fromkeys(COM,",
         f"{GEAR_RATIO}{WEAR}    **dict.fromkeys(COM,",
     ),

@@ -13,8 +13,8 @@ import pytest
 
 from dh2urdf.errors import StageConflictError
 from dh2urdf.hookspecs import hookimpl
+from dh2urdf.isolation.attribution import Plugin
 from dh2urdf.plugin_system import Catalog
-from dh2urdf.plugin_system.attribution import Plugin
 from dh2urdf.stages import Subcommand
 
 ROOT = Path(__file__).parents[1]

@@ -20,10 +20,10 @@ from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import warn_of
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages
-from dh2urdf.stage_calls.calls import warn_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -20,9 +20,8 @@ from itertools import islice, repeat
 from types import NoneType
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
 
-from dh2urdf.elementwise import is_column
 from dh2urdf.errors import RecordTypeError, RecordValueError
-from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
+from dh2urdf.rotations import IDENTITY, RigidTransform, is_column, nearest_rotation
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:

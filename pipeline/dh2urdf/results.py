@@ -16,6 +16,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NamedTuple, NotRequired, TypeAlias, TypedDict
 
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+"""The version of JSON Schema in which these documents are described."""
+
 
 class Keyword(NamedTuple):
     """In an annotation: a keyword of the JSON Schema of a value."""

@@ -15,10 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.elementwise import total
 from dh2urdf.fields import function_of, take_fields, unchecked
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
-from dh2urdf.rotations import Z_AXIS, ZERO, Vec3
+from dh2urdf.rotations import Z_AXIS, ZERO, Vec3, total
 from dh2urdf.shapes import (
     Box,
     Collision,

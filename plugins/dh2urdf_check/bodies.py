@@ -7,11 +7,11 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.kinematics.mass import compound, placed, principal_moments
 from dh2urdf.manipulator import WORLD, Inertia
 from dh2urdf.robot import WEIGHTLESS, Inertial
 from dh2urdf.rotations import IDENTITY, add, rotate
-from dh2urdf.row_fields import INERTIA
 from dh2urdf_check.links import pose_of
 from dh2urdf_check.numbers import mujoco_numbers, numbers_of
 

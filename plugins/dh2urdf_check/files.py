@@ -15,8 +15,8 @@ from dh2urdf.commands.check import emitter_of, has_macros, inspect
 from dh2urdf.documents import read_bytes
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
+from dh2urdf.plugin_system.calls import Call, a_record, depending_on, items_of
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stage_calls.calls import Call, a_record, depending_on, items_of
 from dh2urdf.stages import PACKAGE_FILE, Checks, Expansion, Finding, Repair
 
 if TYPE_CHECKING:

@@ -14,12 +14,12 @@ from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
+from dh2urdf.plugin_system.calls import a_record, blaming, default_call
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, StageCall, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.source import Mark, Messages, Problem, listed, shown
-from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
 from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
 from dh2urdf.tasks.batch import Expected, items

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.elementwise import (
+from dh2urdf.rotations import (
     DividedError,
     agreed,
     atan2,

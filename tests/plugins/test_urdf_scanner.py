@@ -13,10 +13,10 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.elementwise import is_column
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.rotations import is_column
 from dh2urdf_plugins.formats.urdf import forms, scanner as urdf_scanner
 from dh2urdf_plugins.formats.urdf.reader import model_of, parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns

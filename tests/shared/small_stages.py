@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
-from dh2urdf.stage_calls.calls import Call
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.stages import EmittedFile, Emitter, KeepsKinematics, NoOptions, ReadsBack, Transform
 from dh2urdf.testing import plain_robot
 

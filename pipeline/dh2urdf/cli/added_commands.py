@@ -11,7 +11,7 @@ import click
 from dh2urdf.cli.answers import kept_apart
 from dh2urdf.cli.shared_options import loaded
 from dh2urdf.errors import BrokenPluginError, Dh2UrdfError
-from dh2urdf.plugin_system.attribution import Attribution, reason_of, traceback_of
+from dh2urdf.isolation.attribution import Attribution, reason_of, traceback_of
 from dh2urdf.source import did_you_mean, shown
 
 if TYPE_CHECKING:

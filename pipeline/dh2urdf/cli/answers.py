@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 import click
 
 from dh2urdf.errors import OutputError
-from dh2urdf.plugin_system.attribution import NamedLines
+from dh2urdf.isolation.attribution import NamedLines
 from dh2urdf.source import Messages
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from dh2urdf.conversion.file_endings import table_writer
 from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Convention
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.scaffold import (
@@ -26,7 +27,6 @@ from dh2urdf.scaffold import (
     write_plugin,
 )
 from dh2urdf.source import Messages
-from dh2urdf.stage_calls.calls import default_call
 
 if TYPE_CHECKING:
     from dh2urdf.stages import Kind

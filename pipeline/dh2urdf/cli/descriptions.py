@@ -32,10 +32,10 @@ from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError
 from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import Convention
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
+from dh2urdf.plugin_system.calls import a_record, depending_on
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark, Messages, printable
-from dh2urdf.stage_calls.calls import a_record, depending_on
 from dh2urdf.stages import Annotates, Annotation, Expansion, ReadsDescriptions
 from dh2urdf.table_text.texts import table_text, transform_text
 
@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader
 
 say = Messages(__file__)

@@ -23,9 +23,9 @@ from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reade
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import ManipulatorError
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.report.info import brief, details, in_lines, info_report, markdown
-from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Traces
 from dh2urdf.table_text import Trace
 
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import BriefEntry, Detail
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader, Rejected
 
 

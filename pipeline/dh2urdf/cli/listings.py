@@ -12,10 +12,10 @@ from dh2urdf.cli.answers import answer
 from dh2urdf.cli.shared_options import catalog, json_option, without_option
 from dh2urdf.errors import BrokenPluginError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION
+from dh2urdf.plugin_system.calls import Call, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import describe_options
 from dh2urdf.source import printable
-from dh2urdf.stage_calls.calls import Call, depending_on
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

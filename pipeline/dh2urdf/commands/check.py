@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system.calls import Call, a_record, depending_on
 from dh2urdf.source import Mark, Messages
-from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import Checks, Expansion, Inspection, ReadsForeign
 
 if TYPE_CHECKING:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.documents.text_files import check_file, is_file
+from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, InputError, TableError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import call_of
 from dh2urdf.plugin_system.options import COMMAND_LINE, broken_structure, word_node
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
-from dh2urdf.stage_calls.calls import call_of
 from dh2urdf.stages import Rejected
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Edit, Reader
     from dh2urdf.table_text import Trace
 
@@ -122,25 +122,6 @@ def refuse_run_file(table: Path) -> Iterator[None]:
         if not is_run_file(table):
             raise
         raise ConfigError(say("run-file-for-table", Mark(file=str(table)))) from None
-
-
-def refuse_table(path: Path, catalog: Catalog) -> None:
-    """Refuses a table where a run file is expected: a file that only readers take, or that can be read as it is.
-
-    Raises:
-        ConfigError: the file is surely a table.
-    """
-    from dh2urdf.run_file.config import RUN_SUFFIXES
-
-    is_table = False
-    with suppress(Exception):  # Whatever it is instead, it is no table.
-        reader = catalog.reader_for(path)
-        if path.name.lower().endswith(RUN_SUFFIXES):
-            is_table = isinstance(next(iter(reader.read(path, reader.options())), None), Manipulator)
-        else:
-            is_table = is_file(path)
-    if is_table:
-        raise ConfigError(say("table-for-run-file", Mark(file=str(path)), name=path.name))
 
 
 # --- Stages and their options -----------------------------------------------------------------------------------------

@@ -16,10 +16,10 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import FILE, RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import refuse_no_file, safe_stem
+from dh2urdf.plugin_system.calls import Call, a_record, depending_on
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import OtherFiles, Reader, WritesFolders
 from dh2urdf.table_text import Trace
 

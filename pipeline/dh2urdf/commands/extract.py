@@ -7,24 +7,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.choices import chosen_reader, stage_calls
-from dh2urdf.commands.written import in_format, left_out
+from dh2urdf.commands.written import left_out
 from dh2urdf.conversion.file_endings import table_writer
-from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.one_manipulator import in_format, read_items
 from dh2urdf.documents.text_files import encoded
 from dh2urdf.errors import ConfigError, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import refuse_inputs, write_whole
+from dh2urdf.plugin_system.calls import a_record, blaming, default_call
 from dh2urdf.source import Mark, Messages, Problem, listed
-from dh2urdf.stage_calls.calls import a_record, blaming, default_call
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf.table_text.texts import table_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
 
 say = Messages(__file__)
 

@@ -24,17 +24,17 @@ from dh2urdf.conversion.one_manipulator import checked_items
 from dh2urdf.errors import ConfigError, RecordTypeError, RecordValueError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.spooled import STEM, spooled
+from dh2urdf.plugin_system.calls import blaming, items_of, warn_of
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf.stage_calls.calls import blaming, items_of, warn_of
 from dh2urdf.stages import ReadsCells
 from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Reader, Rejected
 
 say = Messages(__file__)

@@ -13,9 +13,9 @@ from dh2urdf.errors import ProofError, TableError
 from dh2urdf.kinematics.chain import angle_error, forward_kinematics, position_error
 from dh2urdf.kinematics.mass import Inertias, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plugin_system.calls import warn_of
 from dh2urdf.rotations import IDENTITY, RigidTransform, nearest_rotation
 from dh2urdf.source import Messages, Problem
-from dh2urdf.stage_calls.calls import warn_of
 
 say = Messages(__file__)
 

@@ -11,21 +11,20 @@ from dh2urdf.columns import columns_of
 from dh2urdf.commands.arguments import path_or_none, words_of
 from dh2urdf.commands.choices import stage_calls
 from dh2urdf.conversion.file_endings import refuse_other_ending
-from dh2urdf.conversion.one_manipulator import read_items
-from dh2urdf.errors import InputError, ProofError, RecordValueError, RobotError
+from dh2urdf.conversion.one_manipulator import in_format, read_items
+from dh2urdf.errors import ProofError, RecordValueError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes.files import FILE, located, prefix_of
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import safe_stem, write_whole
+from dh2urdf.plugin_system.calls import Call, a_record, blaming, default_call, emitted_files
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Mark, Messages, Problem
-from dh2urdf.stage_calls.calls import Call, a_record, blaming, default_call, emitted_files
-from dh2urdf.stages import ReadsBack, Rejected, WritesTables
-from dh2urdf.table_text import WrittenTable
+from dh2urdf.stages import ReadsBack, Rejected
 from dh2urdf.table_text.texts import table_text
 
 if TYPE_CHECKING:
@@ -34,25 +33,11 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Reader
-    from dh2urdf.table_text import TableText
 
 say = Messages(__file__)
 
 _SAME = 1e-12
 """How far numbers of a table that was written in other units than m and rad may be from those of the arm."""
-
-
-def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTable:
-    """Tables as a file in the format of a reader.
-
-    Raises:
-        InputError: the reader only reads, or a file of its format cannot hold several such tables.
-    """
-    writes = call.stage.can(WritesTables)
-    if writes is None:
-        raise InputError(say("reader-only-reads", reader=call.stage.name))
-    with blaming(call, "write"):
-        return a_record(writes.write(tables), WrittenTable)
 
 
 def table_content(

@@ -22,15 +22,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
+from dh2urdf.columns import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.documents.text_files import is_file, is_folder
-from dh2urdf.row_fields import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.plugin_system.attribution import Plugin
+    from dh2urdf.isolation.attribution import Plugin
 
 DIGITS = 32
 """Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""

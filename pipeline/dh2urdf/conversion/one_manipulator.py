@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
-from dh2urdf.errors import EmitterError, ProofError, RecordError, TableError
+from dh2urdf.errors import EmitterError, InputError, ProofError, RecordError, TableError
 from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.files import RELATIVE, copy_path, located, mesh_files, prefix_of, read_mesh
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.whole_files import put_in_place, refuse_inputs, staging, write_files, write_whole
+from dh2urdf.plugin_system.calls import Call, a_record, blaming, emitted_files, items_of, reading, several_records
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf.stage_calls.calls import Call, a_record, blaming, emitted_files, items_of, reading, several_records
 from dh2urdf.stages import (
     Edit,
     EditsInColumns,
@@ -39,13 +39,15 @@ from dh2urdf.stages import (
     Transform,
     TransformsInColumns,
     WritesFolders,
+    WritesTables,
 )
+from dh2urdf.table_text import WrittenTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
-    from dh2urdf.table_text import Trace
+    from dh2urdf.table_text import TableText, Trace
 
 say = Messages(__file__)
 
@@ -435,7 +437,7 @@ def checked_items(items: Iterator[I], call: Call[Reader[Any]], *, columns: bool 
             if isinstance(item, Rejected) and not item.problems:
                 raise ValueError(f"it rejected {shown(item.name)} and did not say why")
             if isinstance(item, ManipulatorGroups) and columns:
-                from dh2urdf.stage_calls.column_calls import checked_groups
+                from dh2urdf.plugin_system.column_calls import checked_groups
 
                 checked_groups(item)
             else:
@@ -454,3 +456,16 @@ def _state_of(path: Path) -> tuple[int, ...] | None:
 
 def _changed(path: Path) -> Problem:
     return say("file-changed", Mark(file=str(path)))
+
+
+def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTable:
+    """Tables as a file in the format of a reader.
+
+    Raises:
+        InputError: the reader only reads, or a file of its format cannot hold several such tables.
+    """
+    writes = call.stage.can(WritesTables)
+    if writes is None:
+        raise InputError(say("reader-only-reads", reader=call.stage.name))
+    with blaming(call, "write"):
+        return a_record(writes.write(tables), WrittenTable)

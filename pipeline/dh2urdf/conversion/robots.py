@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import Call, a_record, blaming, depending_on
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot, sure_columns
-from dh2urdf.stage_calls.calls import Call, a_record, blaming, depending_on
+from dh2urdf.rotations import DividedError
 from dh2urdf.stages import Edit
 from dh2urdf.variations.drawn_links import torn_links
 

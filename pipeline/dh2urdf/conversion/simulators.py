@@ -8,22 +8,22 @@ from dataclasses import replace
 from types import NoneType
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
-from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.kinematics.chain import KinematicChain, as_matrices
 from dh2urdf.kinematics.expected_poses import joint_vectors
+from dh2urdf.plugin_system.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.source import Messages, shown
-from dh2urdf.stage_calls.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.stages import Loader, LoadReport, LoadRequest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
+    from dh2urdf.conversion.loads import KeptChildren
     from dh2urdf.conversion.one_manipulator import Recipe, Written
-    from dh2urdf.isolation.loads import KeptChildren
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
 

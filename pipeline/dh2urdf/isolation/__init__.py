@@ -6,6 +6,7 @@ from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from dh2urdf.isolation.attribution import unmarked as unmarked
     from dh2urdf.isolation.child_process import (
         Child as Child,
         ChildFailure as ChildFailure,
@@ -20,6 +21,7 @@ else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
+            "attribution": "unmarked",
             "child_process": "Child ChildFailure last_words result_of run_in_child",
             "encodings": "PICKLED Data",
             "fence": "enter tell_of_missing_wall",

@@ -27,7 +27,7 @@ _LONGEST_TEXT = 2**16  # characters of a traceback, of which the end is sent
 
 
 running_stage: int | None = None
-"""The file in which `dh2urdf.plugin_system.attribution` writes which stage runs."""
+"""The file in which `dh2urdf.isolation.attribution` writes which stage runs."""
 
 
 class _Terminated(KeyboardInterrupt):

@@ -6,7 +6,7 @@ ended and what it printed before.
 
 A `Child` is a plain subprocess: unlike one of `multiprocessing` it may be started by a worker of a process pool, and
 needs no ``if __name__ == "__main__"`` in the user's script. It serves a single call (`run_in_child`), the loads of one
-simulator (`dh2urdf.isolation.loads`) or the tasks of a worker (the executor `local`).
+simulator (`dh2urdf.conversion.loads`) or the tasks of a worker (the executor `local`).
 """
 
 from __future__ import annotations
@@ -27,9 +27,8 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, TypeVarTuple, cast
 
 from dh2urdf.errors import CrashError, TimeLimitError
+from dh2urdf.isolation.attribution import MARK, NAME_SIZE
 from dh2urdf.isolation.encodings import AnswerError, Data, Pickled
-from dh2urdf.plugin_system.attribution import MARK, NAME_SIZE, UNKNOWN
-from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.source import Messages, shown
 
 say = Messages(__file__)
@@ -347,11 +346,7 @@ class Child:
         self.kill()
         if not self._printed.closed:
             self._take_output()
-            told = os.pread(self._name.fileno(), NAME_SIZE, 0).partition(b"\0")[0].decode(errors="replace")
-            self.who, _, plugin = told.partition("\n")
-            if plugin:
-                found = (each.distribution for each in installed().plugins if each.name == plugin)
-                self.who += f" of {next(found, UNKNOWN)}"
+            self.who = os.pread(self._name.fileno(), NAME_SIZE, 0).partition(b"\0")[0].decode(errors="replace")
             for each in (self._calls, self._answers, self._printed, self._name):
                 each.close()
         return self._process.returncode

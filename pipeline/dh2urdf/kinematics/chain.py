@@ -16,7 +16,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
@@ -32,6 +31,7 @@ from dh2urdf.rotations import (
     norm,
     scale,
     subtract,
+    total,
     transpose,
     z_axis_of,
 )

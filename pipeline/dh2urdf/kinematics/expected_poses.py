@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.elementwise import greater_of, smaller_of, total
 from dh2urdf.kinematics.chain import compile_table, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import ROOT, TOOL, JointType, Manipulator
-from dh2urdf.rotations import IDENTITY, RigidTransform, norm
+from dh2urdf.rotations import IDENTITY, RigidTransform, greater_of, norm, smaller_of, total
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:

@@ -14,17 +14,16 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.elementwise import is_column, mapped, where
 from dh2urdf.kinematics.chain import angle_error, dh_frames, forward_kinematics, moving_axes, position_error
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, is_column, mapped, norm, scale, subtract, where
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from dh2urdf.columns import ManipulatorColumns
-    from dh2urdf.elementwise import Condition
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.rotations import Condition
 
 ZERO_LENGTH, ZERO_ANGLE = 1e-9, 1e-9
 """What counts as no length [m] and no angle [rad]."""

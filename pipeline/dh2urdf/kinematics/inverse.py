@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.elementwise import total
 from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import take_fields
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
@@ -22,7 +21,7 @@ from dh2urdf.kinematics.joint_vectors import joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_at, joints_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
+from dh2urdf.rotations import RigidTransform, multiply, norm, total, transpose
 from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:

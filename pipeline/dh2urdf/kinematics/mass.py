@@ -13,10 +13,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from dh2urdf.elementwise import Condition, is_column, where
 from dh2urdf.manipulator import new_inertia
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere, new_inertial
-from dh2urdf.rotations import ZERO, Vec3, add, multiply, rotate, subtract
+from dh2urdf.rotations import ZERO, Condition, Vec3, add, is_column, multiply, rotate, subtract, where
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

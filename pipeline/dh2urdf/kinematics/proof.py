@@ -17,13 +17,13 @@ from dataclasses import dataclass, field, replace
 from itertools import repeat
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, Stacks, values_of
 from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages, listed
 
 if TYPE_CHECKING:

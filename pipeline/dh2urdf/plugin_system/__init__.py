@@ -6,7 +6,6 @@ from dh2urdf import late_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system.attribution import MARK as MARK, unmarked as unmarked
     from dh2urdf.plugin_system.catalog import (
         KINDS as KINDS,
         RECORDS as RECORDS,
@@ -20,7 +19,6 @@ else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
-            "attribution": "MARK unmarked",
             "catalog": "Catalog KINDS Provided RECORDS load",
             "option_types": "describe_options",
             "task_window": "handed_over",

@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
-from dh2urdf.plugin_system.attribution import Plugin, same_name
+from dh2urdf.isolation.attribution import Plugin, same_name
 from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, RECORDS, PluginStages, Provided, declared
 from dh2urdf.source import Messages, did_you_mean, shown

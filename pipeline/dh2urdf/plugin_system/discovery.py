@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf._version import __version__
 from dh2urdf.errors import ConfigError, IncompatiblePluginError
 from dh2urdf.hookspecs import INTERFACE_VERSION, PROJECT
-from dh2urdf.plugin_system.attribution import Plugin
+from dh2urdf.isolation.attribution import Plugin
 from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, InputError
-from dh2urdf.plugin_system.attribution import UNKNOWN, reason_of, traceback_of
+from dh2urdf.isolation.attribution import UNKNOWN, reason_of, traceback_of
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from dh2urdf.plugin_system.attribution import Plugin
+    from dh2urdf.isolation.attribution import Plugin
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
 COMMAND_LINE = Mark(file="command line")

@@ -13,7 +13,7 @@ import pluggy
 
 from dh2urdf import hookspecs, stages
 from dh2urdf.errors import BrokenPluginError
-from dh2urdf.plugin_system.attribution import Attribution, Plugin, reason_of, traceback_of
+from dh2urdf.isolation.attribution import Attribution, Plugin, reason_of, traceback_of
 from dh2urdf.stages import Compares, Edit, Executor, Kind, Stage, Subcommand
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from dataclasses import asdict, is_dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from dh2urdf._version import __version__
+from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.quantities.number_text import number_in
@@ -14,7 +15,6 @@ from dh2urdf.quantities.units import UNITS
 from dh2urdf.report.conversions import BASE, counted, filled_in
 from dh2urdf.report.manifest import axes_entry
 from dh2urdf.rotations import norm
-from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import markdown_text, printable
 from dh2urdf.table_text import Trace
 

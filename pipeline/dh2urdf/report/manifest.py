@@ -26,8 +26,8 @@ from dh2urdf.errors import pip_install
 from dh2urdf.kinematics.facts import KinematicFacts, kinematic_facts, kinematic_facts_of_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
+from dh2urdf.report.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.report.verdicts import FailureIndex, Verdicts
-from dh2urdf.tasks.manifest_table import ManifestTable, can_write_parquet
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
     from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.output.store import Store
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.report.overview import Overview
     from dh2urdf.results import ArmAxes, AxesEntry, InputEntry, OpwEntry, Reproduction, RunReport
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.tasks.batch import Batch, Single
     from dh2urdf.tasks.batch_report import BatchReport, Result
     from dh2urdf.variations.variation import VariationCall

@@ -8,9 +8,9 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.columns import SI_UNITS
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
-from dh2urdf.row_fields import SI_UNITS
 from dh2urdf.variations.variation import FIELDS
 
 if TYPE_CHECKING:

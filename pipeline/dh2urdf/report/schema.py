@@ -11,7 +11,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
 from dh2urdf import results
-from dh2urdf.run_file.schema import DIALECT
+from dh2urdf.results import DIALECT
 
 _WORDS = {str: "string", int: "integer", float: "number", bool: "boolean"}
 _Names = dict[Any, str]

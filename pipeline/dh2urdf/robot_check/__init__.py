@@ -13,18 +13,18 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import DYNAMICS, INERTIA
 from dh2urdf.kinematics.mass import inertia_problem, is_sound
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
-from dh2urdf.row_fields import DYNAMICS, INERTIA
 from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Geometry, Inertial, Joint, Link, Robot
+    from dh2urdf.rotations import Condition
 
 say = Messages(__file__)
 

@@ -7,6 +7,7 @@ kinds, are reported at once.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -15,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.cells.cell import CellCall
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml
-from dh2urdf.documents.text_files import read_bytes
+from dh2urdf.documents.text_files import is_file, read_bytes
 from dh2urdf.errors import ConfigError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.meshes.conversion import conversion_of
 from dh2urdf.meshes.files import RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
@@ -40,6 +42,8 @@ from dh2urdf.variations.variation import VariationCall
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from dh2urdf.plugin_system.catalog import Catalog
 
 say = Messages(__file__)
 
@@ -137,6 +141,23 @@ def is_run_file(path: Path) -> bool:
     except ConfigError:
         return False
     return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
+
+
+def refuse_table(path: Path, catalog: Catalog) -> None:
+    """Refuses a table where a run file is expected: a file that only readers take, or that can be read as it is.
+
+    Raises:
+        ConfigError: the file is surely a table.
+    """
+    is_table = False
+    with suppress(Exception):  # Whatever it is instead, it is no table.
+        reader = catalog.reader_for(path)
+        if path.name.lower().endswith(RUN_SUFFIXES):
+            is_table = isinstance(next(iter(reader.read(path, reader.options())), None), Manipulator)
+        else:
+            is_table = is_file(path)
+    if is_table:
+        raise ConfigError(say("table-for-run-file", Mark(file=str(path)), name=path.name))
 
 
 def load_config(

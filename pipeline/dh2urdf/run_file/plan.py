@@ -15,9 +15,9 @@ from dh2urdf.conversion.simulators import missing_of, require
 from dh2urdf.errors import ConfigError, InputError, PluginError
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
+from dh2urdf.plugin_system.calls import Call, call_of
 from dh2urdf.run_file.mesh_section import MeshCall
 from dh2urdf.source import Messages, Problem, in_file_order
-from dh2urdf.stage_calls.calls import Call, call_of
 from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
 from dh2urdf.variations.variation import VariationCall

@@ -12,9 +12,11 @@ from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeAlias, get_args, get_origin
 
 from dh2urdf.errors import ConfigError, UnknownStageError
+from dh2urdf.plugin_system.calls import Call, a_record, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import keys_of, members, records_of
 from dh2urdf.plugin_system.validator import adapter_of
+from dh2urdf.results import DIALECT
 from dh2urdf.run_file.sections import (
     NUMBER,
     RULE_ALSO,
@@ -26,7 +28,6 @@ from dh2urdf.run_file.sections import (
     SpacedSection,
 )
 from dh2urdf.source import Messages
-from dh2urdf.stage_calls.calls import Call, a_record, depending_on
 from dh2urdf.stages import HasSchema
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 JsonSchema: TypeAlias = dict[str, Any]
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
 NULL = {"type": "null"}
 KIND_OF: dict[str, Kind] = {
     "inputs": "reader",

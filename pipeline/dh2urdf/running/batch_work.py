@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import orjson
 
 from dh2urdf.conversion.keys import column_keys, key_of, whole
+from dh2urdf.conversion.loads import KeptChildren
 from dh2urdf.conversion.one_manipulator import (
     Recipe,
     Written,
@@ -29,21 +30,20 @@ from dh2urdf.conversion.one_manipulator import (
 from dh2urdf.conversion.outcome import Outcome, kind_of, to_line
 from dh2urdf.conversion.robots import edited_robots, edited_tables, make_item, new_notices
 from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_of
-from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.fields import many_unchecked
-from dh2urdf.isolation.loads import KeptChildren
+from dh2urdf.isolation.attribution import collected_lines
 from dh2urdf.isolation.process import collected_at_the_end, this_process, watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
 from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store
-from dh2urdf.plugin_system.attribution import collected_lines
+from dh2urdf.plugin_system.calls import blaming, own_work
+from dh2urdf.plugin_system.column_calls import emit_columns, read_columns, transform_columns
+from dh2urdf.rotations import DividedError
 from dh2urdf.running.earlier_files import EarlierFiles, MeshCopies
 from dh2urdf.source import Mark
-from dh2urdf.stage_calls.calls import blaming, own_work
-from dh2urdf.stage_calls.column_calls import emit_columns, read_columns, transform_columns
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, ReadsBack, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Single, variants_from
 from dh2urdf.tasks.batch_report import BatchReport
@@ -54,9 +54,9 @@ if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.conversion.outcome import ManifestRow
     from dh2urdf.output.layouts import Put
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.results import FileEntry
     from dh2urdf.source import Problem
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.variations.laws import DrawnValue
 
 

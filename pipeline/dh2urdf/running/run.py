@@ -13,8 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from dh2urdf.commands.choices import refuse_table
 from dh2urdf.errors import ConfigError, CrashError, ManipulatorError, TableError
+from dh2urdf.isolation.attribution import unmarked
 from dh2urdf.isolation.child_process import run_in_child
 from dh2urdf.isolation.encodings import PICKLED
 from dh2urdf.isolation.process import this_process
@@ -22,7 +22,8 @@ from dh2urdf.output.journal import JOURNAL, MANIFEST, Earlier, clear_leftovers, 
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.output.whole_files import reporting_the_disk
-from dh2urdf.plugin_system.attribution import unmarked
+from dh2urdf.plugin_system.calls import Call, a_record, depending_on, fault, items_of, own_work
+from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.report.manifest import (
     FULL,
     INDEX,
@@ -39,13 +40,11 @@ from dh2urdf.report.manifest import (
     write_timing,
 )
 from dh2urdf.report.verdicts import Verdicts
-from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.config import load_config, refuse_table
 from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.running.batch_work import BatchWorker, Depth
 from dh2urdf.source import Messages, printable
-from dh2urdf.stage_calls.calls import Call, a_record, depending_on, fault, items_of, own_work
-from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Executor, Lost
 from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
 from dh2urdf.tasks.batch_report import BatchReport, Result

@@ -21,8 +21,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf._version import __version__
-from dh2urdf.commands.written import in_format
-from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.one_manipulator import in_format, read_items
 from dh2urdf.documents.text_files import encoded, is_file, is_folder, is_there
 from dh2urdf.errors import ConfigError, OutputError
 from dh2urdf.manipulator import Convention, Manipulator
@@ -36,8 +35,8 @@ from dh2urdf.table_text.texts import yaml_word
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Kind, Reader
 
 say = Messages(__file__)

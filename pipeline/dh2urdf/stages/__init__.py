@@ -275,7 +275,7 @@ class EditsInColumns:
     """An edit whose functions also accept records whose numbers are columns (`dh2urdf.columns`).
 
     They make of them, to the last bit, what they make of each alone. A run then edits many arms at once. The copies are
-    made by `dh2urdf.fields.replace_unchecked`, and conditions are asked by `dh2urdf.elementwise.agreed`.
+    made by `dh2urdf.fields.replace_unchecked`, and conditions are asked by `dh2urdf.rotations.agreed`.
     """
 
 

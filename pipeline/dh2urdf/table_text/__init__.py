@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS
+from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS
 from dh2urdf.source import Mark, Problem
 
 NAMES = ("joint", "link", "type")

@@ -8,11 +8,11 @@ import re
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS, Dimension, Unit
 from dh2urdf.rotations import NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
-from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import FIELDS, MESHES, TableText
 
 if TYPE_CHECKING:

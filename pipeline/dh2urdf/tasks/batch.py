@@ -22,9 +22,9 @@ from dh2urdf.isolation.process import collected_at_the_end
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.output.whole_files import Stems
-from dh2urdf.run_file.mesh_section import MeshGiver
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.tasks.given_meshes import MeshGiver
 from dh2urdf.variations.binding import bind
 from dh2urdf.variations.variation import Variants, VariationCall, made_variants
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.column_calls import checked_groups
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.source import Mark
-from dh2urdf.stage_calls.column_calls import checked_groups
 from dh2urdf.stages import Reader, ReadsCells, ReadsInColumns, Rejected, Traces
 from dh2urdf.table_text import CellRow, Trace
 from dh2urdf.testing.stage_contract import Calls, InputContract, clause, difference, leaves

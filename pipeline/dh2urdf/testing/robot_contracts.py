@@ -12,15 +12,15 @@ from xml.parsers.expat import ParserCreate
 
 from dh2urdf.columns import RobotColumns, in_columns, member, stacked
 from dh2urdf.documents.document import load_yaml
-from dh2urdf.elementwise import DividedError
 from dh2urdf.errors import Dh2UrdfError, EditError, EmitterError, TransformError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, prove
 from dh2urdf.manipulator import ROOT, TOOL, DHRow, JointType, Limits, Manipulator
+from dh2urdf.plugin_system.calls import a_record, emitted_files
 from dh2urdf.robot import Box, Robot, Sphere, Visual
 from dh2urdf.robot_check import check_robot
-from dh2urdf.stage_calls.calls import a_record, emitted_files
+from dh2urdf.rotations import DividedError
 from dh2urdf.stages import (
     Checks,
     EditsInColumns,

@@ -126,7 +126,8 @@ class StageContract:
         """Options are a frozen dataclass with defaults and help, which run files give and JSON Schema describes."""
         from jsonschema import Draft202012Validator
 
-        from dh2urdf.run_file.schema import DIALECT, run_schema
+        from dh2urdf.results import DIALECT
+        from dh2urdf.run_file.schema import run_schema
 
         for name, _, default, text in describe_options(self.stage.options):
             if default == "required" or not text.strip():

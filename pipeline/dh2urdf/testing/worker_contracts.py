@@ -15,13 +15,13 @@ from itertools import count, islice
 from operator import mul, truediv
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from dh2urdf.conversion.loads import KeptChildren, load_in_child
 from dh2urdf.errors import CrashError, LoaderError, PluginError
-from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.measuring import load_function
 from dh2urdf.plugin_system.catalog import load
+from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.source import Problem
-from dh2urdf.stage_calls.pools import results_of
 from dh2urdf.stages import Emitter, Executor, Loader, LoadReport, LoadRequest, Lost, Reusable
 from dh2urdf.testing.child import descendants, in_child
 from dh2urdf.testing.oracle import table_pose

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import prod
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import LIMITS
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import DHRow, JointType, Manipulator
-from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean
 from dh2urdf.variations.laws import Choices, Grid, Normal, Scale, is_relative
 from dh2urdf.variations.sampling import MOST_POINTS, SOBOL_DIMENSIONS, Sampling

@@ -14,15 +14,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from dh2urdf.elementwise import greater_of, hypot, is_column, mapped, where
 from dh2urdf.manipulator import BASE, Convention, JointType
+from dh2urdf.rotations import greater_of, hypot, is_column, mapped, where
 from dh2urdf.source import Messages, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.rotations import Number
     from dh2urdf.source import Mark
 
 say = Messages(__file__)

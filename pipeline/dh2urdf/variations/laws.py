@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from decimal import Context, Decimal
 from typing import TypeAlias
 
-from dh2urdf.elementwise import Number, is_column, where
+from dh2urdf.rotations import Number, is_column, where
 
 DrawnValue: TypeAlias = float | str
 """A number in SI units, a whole number of axes, or the word of a joint type."""

@@ -11,13 +11,22 @@ from dataclasses import dataclass, field as attribute, fields, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import ManipulatorColumns, in_columns, row_places
-from dh2urdf.elementwise import is_column
+from dh2urdf.columns import (
+    COM,
+    DYNAMICS,
+    INERTIA,
+    LIMITS,
+    ROW_FIELDS,
+    ManipulatorColumns,
+    RowField,
+    in_columns,
+    row_places,
+)
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
-from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, ROW_FIELDS, RowField
+from dh2urdf.rotations import is_column
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.variations.drawn_links import LENGTHS, torn_links
 from dh2urdf.variations.laws import DrawnValue, Grid, Law, draw_many, ends

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
-from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Mark, Messages, Problem, free_name, listed, shown
 from dh2urdf_plugins.descriptions.bodies import Carried
 from dh2urdf_plugins.extraction.chain import Precision

@@ -8,13 +8,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.mass import compound, inertia_problem, placed
 from dh2urdf.manipulator import Inertia, JointType, MeshShape
 from dh2urdf.meshes import FORMATS, find_mesh
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
-from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import shown
 from dh2urdf_plugins.extraction.chain import between_decimals, decimal_of
 

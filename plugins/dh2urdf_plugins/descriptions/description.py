@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
-from dh2urdf.elementwise import total
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.robot import Robot
+from dh2urdf.rotations import total
 from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
 from dh2urdf.stages.foreign_robot import Follower, ForeignRobot

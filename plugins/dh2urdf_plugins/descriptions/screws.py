@@ -15,13 +15,13 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
+from dh2urdf.columns import DYNAMICS
 from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
-from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED

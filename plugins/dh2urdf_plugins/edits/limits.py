@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.elementwise import agreed
 from dh2urdf.errors import EditError
+from dh2urdf.rotations import agreed
 from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
 
@@ -69,9 +69,9 @@ def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
     Raises:
         EditError: a joint is unknown, or nothing of a range is left.
     """
+    from dh2urdf.columns import LIMITS
     from dh2urdf.fields import replace_unchecked
     from dh2urdf.manipulator import JointType
-    from dh2urdf.row_fields import LIMITS
 
     names = [row.joint for row in manipulator.moving_rows]
     problems = []

@@ -80,9 +80,9 @@ def _with(robot: Robot, link: Link, parent: str, origin: Origin) -> Robot:
     """
     from dataclasses import replace
 
-    from dh2urdf.elementwise import agreed
     from dh2urdf.manipulator import JointType
     from dh2urdf.robot import Joint, Origin
+    from dh2urdf.rotations import agreed
 
     def weighs(one: Link) -> bool:
         return one.inertial is not None and agreed(one.inertial.mass != 0.0)

@@ -58,8 +58,8 @@ class PayloadOptions:
 
 
 def _tensor(elements: tuple[float, ...]) -> Inertia:
+    from dh2urdf.columns import INERTIA
     from dh2urdf.manipulator import Inertia
-    from dh2urdf.row_fields import INERTIA
 
     return Inertia(**dict(zip(INERTIA, elements, strict=True)))
 

@@ -153,7 +153,7 @@ class _Pool:
 
     def _pass_on(self, worker: Child) -> None:
         """Print on standard error what C code and other programs printed during a task."""
-        from dh2urdf.plugin_system import unmarked
+        from dh2urdf.isolation import unmarked
 
         lines = unmarked(worker.output.text())
         if len(lines) > MOST_PRINTED:

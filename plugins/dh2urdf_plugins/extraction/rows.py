@@ -18,9 +18,8 @@ import math
 from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from dh2urdf.elementwise import total
 from dh2urdf.manipulator import Convention
-from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_z
+from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, multiply, rotation_z, total
 from dh2urdf_plugins.extraction.chain import decompose, x_screw, z_screw
 from dh2urdf_plugins.extraction.ends import Base, Tip, bases, tip
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from lxml import etree
 
+from dh2urdf.columns import LIMITS
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JOINT_TYPES, JointType, new_limits
 from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Origin, Sphere, new_collision, new_visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform, rotation_from_quaternion
-from dh2urdf.row_fields import LIMITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:

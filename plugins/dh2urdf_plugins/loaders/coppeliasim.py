@@ -36,7 +36,6 @@ from typing import TYPE_CHECKING, Any
 from lxml import etree
 
 from dh2urdf.documents import xml_root
-from dh2urdf.elementwise import total
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import placed, tensor
@@ -44,7 +43,7 @@ from dh2urdf.manipulator import Inertia
 from dh2urdf.measuring import Body, Precision
 from dh2urdf.meshes import has_meshes
 from dh2urdf.robot import Inertial
-from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, transpose
+from dh2urdf.rotations import IDENTITY, RigidTransform, rotate, total, transpose
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import LOAD_TIME_LIMIT
 from dh2urdf_plugins.coppeliasim_import import alias, importable_axis, importable_limits

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cache, reduce
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.elementwise import greater_of, mapped
+from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics.mass import GRAVITY, compound, placed, rotated, scaled, solid
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, new_limits
@@ -34,8 +34,7 @@ from dh2urdf.robot import (
     new_link,
     new_parameter,
 )
-from dh2urdf.rotations import RigidTransform, Vec3, add, cross, norm, rotate, subtract
-from dh2urdf.row_fields import DYNAMICS
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, greater_of, mapped, norm, rotate, subtract
 from dh2urdf.source import Messages
 from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
 from dh2urdf_plugins.transforms.shapes import SMALLEST
@@ -43,8 +42,8 @@ from dh2urdf_plugins.transforms.shapes import SMALLEST
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf.rotations import Number
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 say = Messages(__file__)

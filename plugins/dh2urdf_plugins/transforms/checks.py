@@ -6,11 +6,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.elementwise import is_column, where
+from dh2urdf.columns import NUMBERS
 from dh2urdf.kinematics.mass import inertia_problem, is_sound, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, JointType
-from dh2urdf.rotations import HALF_PI, IDENTITY, nearest_quarter, quarter_turns, rounded_quarter_turn
-from dh2urdf.row_fields import NUMBERS
+from dh2urdf.rotations import HALF_PI, IDENTITY, is_column, nearest_quarter, quarter_turns, rounded_quarter_turn, where
 from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf.variations.drawn_links import GAP, is_to_compare, mesh_gap
 from dh2urdf_plugins.transforms.shapes import SHAPES
@@ -19,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.columns import ManipulatorColumns
-    from dh2urdf.elementwise import Condition, Number
     from dh2urdf.kinematics.mass import Inertias
     from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator
+    from dh2urdf.rotations import Condition, Number
 
 say = Messages(__file__)
 

@@ -13,10 +13,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf.elementwise import DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision, Cylinder, new_origin, new_visual
-from dh2urdf.rotations import IDENTITY
+from dh2urdf.rotations import IDENTITY, DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.checks import is_frame, sure_tables
 from dh2urdf_plugins.transforms.formulas import Quantity, constants, nameless, origin, plus, signed, times, values
@@ -46,10 +45,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
-    from dh2urdf.elementwise import Number
     from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
     from dh2urdf.robot import Material, Robot, Visual
-    from dh2urdf.rotations import RigidTransform
+    from dh2urdf.rotations import Number, RigidTransform
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Symbol
     from dh2urdf_plugins.transforms.frames import Frames, LinkFrame, Pose

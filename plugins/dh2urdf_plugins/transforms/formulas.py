@@ -16,9 +16,18 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from dh2urdf.elementwise import Number, atan2, greater_of, is_column, mapped, where
 from dh2urdf.robot import new_origin
-from dh2urdf.rotations import HALF_PI, exact_cos_sin, nearest_quarter
+from dh2urdf.rotations import (
+    HALF_PI,
+    Number,
+    atan2,
+    exact_cos_sin,
+    greater_of,
+    is_column,
+    mapped,
+    nearest_quarter,
+    where,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

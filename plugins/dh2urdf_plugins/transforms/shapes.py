@@ -15,8 +15,8 @@ from __future__ import annotations
 from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple, get_args
 
-from dh2urdf.elementwise import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf.robot import Box, Collision, Cylinder, Material, Sphere, Visual, new_collision, new_visual
+from dh2urdf.rotations import agreed, atan2, for_some, greater_of, hypot, smaller_of, where
 from dh2urdf_plugins.transforms.alpha_swap import Shape
 from dh2urdf_plugins.transforms.formulas import (
     HALF,
@@ -30,9 +30,8 @@ from dh2urdf_plugins.transforms.formulas import (
 )
 
 if TYPE_CHECKING:
-    from dh2urdf.elementwise import Condition
     from dh2urdf.robot import Geometry
-    from dh2urdf.rotations import Vec3
+    from dh2urdf.rotations import Condition, Vec3
 
 SHAPES: tuple[str, ...] = get_args(Shape)
 

@@ -22,11 +22,11 @@ from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.meshes import addresses
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.quantities import number_in
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Messages
-from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import PACKAGE_FILE, Emitter, ReadsForeign
 from dh2urdf.table_text.texts import dimension_of, table_text, unit_of
 from dh2urdf_studio.drawing.mesh_files import LARGEST, SUFFIXES

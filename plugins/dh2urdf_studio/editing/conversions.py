@@ -16,13 +16,13 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import COM, INERTIA
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import Convention, Inertia, JointType
 from dh2urdf.quantities import QuantityError, evaluate, number_in
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.quantities.units import UNITS, Unit
 from dh2urdf.rotations import IDENTITY, RigidTransform, cos_sin, rotation_x
-from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import dimension_of, table_text, transform_text, unit_of
 from dh2urdf_studio.editing.edits import meaning

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.plugin_system.calls import Call, blaming, default_call, several_records
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import RUN_SUFFIXES, is_run_file
 from dh2urdf.source import Mark, Messages, listed, shown
-from dh2urdf.stage_calls.calls import Call, blaming, default_call, several_records
 from dh2urdf.stages import ReadsCells, ReadsDescriptions, Rejected, WritesTables
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text

@@ -12,22 +12,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.commands.written import in_format
-from dh2urdf.conversion.one_manipulator import read_items
+from dh2urdf.conversion.one_manipulator import in_format, read_items
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system.calls import call_of, default_call
 from dh2urdf.plugin_system.option_types import choices, type_hints
 from dh2urdf.source import Mark, Messages, Problem, in_file_order
-from dh2urdf.stage_calls.calls import call_of, default_call
 from dh2urdf.stages import Compares, Rejected
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, TableText, WrittenTable
 from dh2urdf_studio.editing.edits import begun
 
 if TYPE_CHECKING:
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.stages import Transform
 
 say = Messages(__file__)

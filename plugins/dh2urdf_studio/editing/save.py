@@ -16,12 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.commands.convert import POSES, as_named, carry_out, in_one_file
-from dh2urdf.commands.written import in_format
-from dh2urdf.conversion.one_manipulator import Recipe
+from dh2urdf.conversion.one_manipulator import Recipe, in_format
 from dh2urdf.errors import EmitterError
 from dh2urdf.output.whole_files import safe_stem
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.source import Mark
-from dh2urdf.stage_calls.calls import default_call
 from dh2urdf.stages import Compares, Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES
 from dh2urdf.table_text.texts import yaml_word
@@ -31,8 +30,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from dh2urdf.kinematics.proof import Proof
+    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stage_calls.calls import Call
     from dh2urdf.table_text import TableText
 
 _COMMA = re.compile(r"^([-+−]?[0-9]*),(?=[0-9]+(?:[eE][-+]?[0-9]+)?[^0-9,]*$)")

@@ -14,8 +14,8 @@ from dh2urdf.conversion.one_manipulator import Recipe, write_robot
 from dh2urdf.conversion.robots import make_item, make_robot
 from dh2urdf.errors import ProofError, RobotError, StageError
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.robot import Joint, Link, Origin, Robot
-from dh2urdf.stage_calls.calls import Call
 from dh2urdf.stages import Edit, KeepsKinematics
 from dh2urdf.testing import reference_manipulators
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import pytest
 from other_fields import with_field
 
+from dh2urdf.conversion.loads import KeptChildren, load_in_child
 from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.isolation.child_process import KEPT_OUTPUT
-from dh2urdf.isolation.loads import KeptChildren, load_in_child
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadReport, LoadRequest, NoOptions
 

@@ -13,7 +13,6 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.columns import RobotColumns, column, in_columns
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.elementwise import is_column
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
@@ -21,7 +20,7 @@ from dh2urdf.kinematics.proof import TOGETHER, Proof, prove, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.rotations import IDENTITY, RigidTransform, is_column
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 

@@ -7,7 +7,7 @@ import pytest
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.plugin_system.attribution import same_name
+from dh2urdf.isolation.attribution import same_name
 from dh2urdf.plugin_system.discovery import installed
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import LoaderError, MissingProgramError
-from dh2urdf.isolation.loads import load_in_child
 from dh2urdf.robot import Collision, Mesh
 from dh2urdf_plugins.loaders import coppeliasim
 from dh2urdf_plugins.loaders.coppeliasim import OPTIONS, turn

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.isolation.loads import load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Sphere
 from dh2urdf.stages import LoadRequest

@@ -13,8 +13,8 @@ from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.kinematics.facts import Line
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.stage_calls.calls import default_call
 from dh2urdf_studio.drawing.strokes import (
     ORDER,
     Position,

@@ -15,6 +15,7 @@ from collections import defaultdict
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.kinematics.mass import rotated
@@ -31,7 +32,6 @@ from dh2urdf.rotations import (
     rotate,
     scale,
 )
-from dh2urdf.row_fields import DYNAMICS
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
 from dh2urdf_plugins.formats.mjcf.shapes import Shapes, mass_of_shapes

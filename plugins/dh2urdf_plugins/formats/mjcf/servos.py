@@ -13,10 +13,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.elementwise import total
 from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import cross, norm
+from dh2urdf.rotations import cross, norm, total
 from dh2urdf_plugins.home_pose import SLIDING
 
 if TYPE_CHECKING:

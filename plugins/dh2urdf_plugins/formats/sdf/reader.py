@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
-from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
 from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached

@@ -11,10 +11,10 @@ from itertools import repeat
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.elementwise import is_column
 from dh2urdf.errors import EmitterError
 from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.robot_check import LONGEST_NAME
+from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages
 from dh2urdf_plugins.formats.urdf.writer import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 

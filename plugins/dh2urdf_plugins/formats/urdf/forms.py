@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import orjson
 
-from dh2urdf.elementwise import array_of
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Origin, Robot
-from dh2urdf.rotations import ZERO
+from dh2urdf.rotations import ZERO, array_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

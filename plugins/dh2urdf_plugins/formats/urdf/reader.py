@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import JointType, new_inertia
 from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_joint, new_link, new_origin
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
-from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf_plugins.formats.xml_files import FileElements, Model, read_file, written_tree_of
 
 if TYPE_CHECKING:

@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.elementwise import array_of
 from dh2urdf.errors import ProofError
 from dh2urdf.robot import Link, Robot
+from dh2urdf.rotations import array_of
 from dh2urdf_plugins.formats.urdf.forms import FORMS, IN_NUMBERS, Alike, Form, Joints, Part, numbers_in, picker
 from dh2urdf_plugins.formats.urdf.reader import model_of
 from dh2urdf_plugins.formats.xml_files import written_tree_of

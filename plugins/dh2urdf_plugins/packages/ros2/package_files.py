@@ -8,11 +8,10 @@ import unicodedata
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
-from dh2urdf.elementwise import total
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
-from dh2urdf.rotations import norm
+from dh2urdf.rotations import norm, total
 from dh2urdf.source import Messages, markdown_text
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages import templates

@@ -12,11 +12,11 @@ import json
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.commands import left_out_of, table_content
 from dh2urdf.errors import EmitterError, InputError, RecordValueError
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, WORLD
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.row_fields import INERTIA, LIMITS
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.packages.table import SUFFIXES

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from dh2urdf.columns import COM, INERTIA, ROW_FIELDS, SI_UNITS
 from dh2urdf.quantities import Dimension, QuantityError, Symbols, Unit, accepted_units
-from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS

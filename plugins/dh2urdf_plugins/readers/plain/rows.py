@@ -15,10 +15,9 @@ from itertools import accumulate, pairwise, starmap
 from operator import add, methodcaller
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from dh2urdf.columns import column
+from dh2urdf.columns import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, column
 from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
 from dh2urdf.rotations import HALF_PI
-from dh2urdf.row_fields import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.columns import is_value
 from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import COM, INERTIA
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit, is_zero
-from dh2urdf.row_fields import COM, INERTIA
 from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:

@@ -9,10 +9,10 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
-from dh2urdf.row_fields import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
 from dh2urdf_plugins.readers.header.units import unit_advice

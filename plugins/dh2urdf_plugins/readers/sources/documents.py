@@ -10,11 +10,10 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.columns import ManipulatorGroups
+from dh2urdf.columns import COM, INERTIA, LIMITS, ManipulatorGroups
 from dh2urdf.documents import Node, decoded, read_bytes, stream_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import STATEMENTS, CellRow

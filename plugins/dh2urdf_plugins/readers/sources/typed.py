@@ -10,10 +10,10 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from dh2urdf.columns import COM, INERTIA, ROW_FIELDS
 from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.quantities import Dimension
-from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS
 from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, MESHES, CellRow, Place, TableText, WrittenTable
 from dh2urdf.table_text.texts import yaml_word

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from dh2urdf.columns import COM, INERTIA, LIMITS
 from dh2urdf.quantities import DEGREE_SIGNS, UNITS
-from dh2urdf.row_fields import COM, INERTIA, LIMITS
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.columns import SI_UNITS
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
@@ -20,7 +21,6 @@ from dh2urdf.quantities import (
     is_unit,
     unit_word,
 )
-from dh2urdf.row_fields import SI_UNITS
 from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf_plugins.readers.header.columns import Columns

@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Inertia, LinkGeometry, MeshShape, Payload
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
-from dh2urdf.row_fields import INERTIA
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
 from dh2urdf_plugins.readers.statements import say

@@ -13,9 +13,9 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.columns import COM, INERTIA, ROW_FIELDS, RowField
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities import Dimension
-from dh2urdf.row_fields import COM, INERTIA, ROW_FIELDS, RowField
 from dh2urdf.source import did_you_mean
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from dh2urdf.stage_calls.pools import AHEAD, results_of
+from dh2urdf.plugin_system.pools import AHEAD, results_of
 from dh2urdf.stages import Executor, Lost, NoOptions
 from dh2urdf.testing import ExecutorContract
 from dh2urdf.testing.worker_contracts import doubled_or_killed

@@ -23,8 +23,8 @@ from dh2urdf.isolation.child_process import Child, ChildFailure, pickled_call, r
 from dh2urdf.isolation.encodings import Data
 from dh2urdf.isolation.process import is_own
 from dh2urdf.measuring import load_function
+from dh2urdf.plugin_system.calls import a_record, several_records
 from dh2urdf.source import Problem
-from dh2urdf.stage_calls.calls import a_record, several_records
 from dh2urdf.stages import LoadReport, Reusable
 
 if TYPE_CHECKING:

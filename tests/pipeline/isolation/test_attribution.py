@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from dh2urdf.isolation.attribution import Attribution, Plugin, current
 from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
-from dh2urdf.plugin_system.attribution import Attribution, Plugin, current
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,7 +47,7 @@ class TestInAChild:
             ("os._exit(3)", "emitter 'usd' of lab 1.0"),
             ("os.kill(os.getpid(), 9)", "emitter 'usd' of lab 1.0"),
             ("raise SystemExit", ""),
-            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.plugin_system.attribution'])", ""),
+            ("subprocess.run([sys.executable, '-c', 'import dh2urdf.isolation.attribution'])", ""),
         ],
     )
     def test_the_parent_knows(
@@ -62,9 +62,9 @@ class TestInAChild:
         install(tmp_path, "lab", "")
         monkeypatch.syspath_prepend(tmp_path)
         script = (
-            "import os, subprocess, sys\nfrom dh2urdf.plugin_system.attribution import Attribution, Plugin\n"
+            "import os, subprocess, sys\nfrom dh2urdf.isolation.attribution import Attribution, Plugin\n"
             "with Attribution('executor \\'here\\'', None):\n"
-            f"    with Attribution('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='?')):\n        {ending}\n"
+            f"    with Attribution('emitter \\'usd\\'', Plugin(name='lab = lab_lab', distribution='lab 1.0')):\n        {ending}\n"
         )
         assert who_was_at_work(script) == who
 

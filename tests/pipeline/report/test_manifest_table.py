@@ -9,7 +9,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from dh2urdf.conversion.outcome import to_line
-from dh2urdf.tasks.manifest_table import ROW_GROUP, ManifestTable
+from dh2urdf.report.manifest_table import ROW_GROUP, ManifestTable
 
 
 def row(name: str = "arm", **facts: Any) -> dict[str, Any]:

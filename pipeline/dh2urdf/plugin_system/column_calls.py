@@ -8,11 +8,10 @@ from __future__ import annotations
 from operator import attrgetter, index
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.columns import ManipulatorColumns, RobotColumns, columns_of
-from dh2urdf.elementwise import is_column
+from dh2urdf.columns import LIMITS, NUMBERS, ManipulatorColumns, RobotColumns, columns_of
+from dh2urdf.plugin_system.calls import Call, a_record, blaming, emitted_files
 from dh2urdf.robot import Robot
-from dh2urdf.row_fields import LIMITS, NUMBERS
-from dh2urdf.stage_calls.calls import Call, a_record, blaming, emitted_files
+from dh2urdf.rotations import is_column
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 
 if TYPE_CHECKING:

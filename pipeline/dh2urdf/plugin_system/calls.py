@@ -34,7 +34,7 @@ from dh2urdf.errors import (
     TableError,
     TableWarning,
 )
-from dh2urdf.plugin_system.attribution import UNKNOWN, Attribution, current, reason_of, traceback_of
+from dh2urdf.isolation.attribution import UNKNOWN, Attribution, current, reason_of, traceback_of
 from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import listed, shown

@@ -26,7 +26,7 @@ _BUILT_IN = ("dh2urdf_plugins", "dh2urdf_check", "dh2urdf_studio")
 MARK = "\x1e"
 """What a line on a child's standard error begins with if its parent has the line from the child's results, too."""
 NAME_SIZE = 1024
-"""Bytes of the shared file: what runs, and its plugin in the next line, up to a zero byte."""
+"""Bytes of the shared file: what runs, up to a zero byte."""
 MOST_LINES = 100
 """Lines of one batch that are passed on; the rest is counted."""
 LONGEST = 10_000
@@ -81,8 +81,7 @@ class Attribution:
     def _share(self: Attribution | None) -> None:
         """Write the name where the parent of this process reads it."""
         if _shared is not None:
-            told = f"{self.what}\n{self.plugin.name if self.plugin else ''}" if self else ""
-            os.pwrite(_shared, told.encode(errors="replace")[: NAME_SIZE - 1] + b"\0", 0)
+            os.pwrite(_shared, str(self or "").encode(errors="replace")[: NAME_SIZE - 1] + b"\0", 0)
 
 
 def _folder() -> str:

@@ -8,12 +8,11 @@ import pytest
 from other_fields import with_field
 
 from dh2urdf.errors import BrokenPluginError, EmitterError, StageError
-from dh2urdf.plugin_system import KINDS, load
-from dh2urdf.plugin_system.attribution import Plugin
+from dh2urdf.isolation.attribution import Plugin
+from dh2urdf.plugin_system import KINDS, calls as attribution, load
+from dh2urdf.plugin_system.calls import Call, blaming, depending_on, own_work
+from dh2urdf.plugin_system.column_calls import read_columns
 from dh2urdf.robot import Link, Robot
-from dh2urdf.stage_calls import calls as attribution
-from dh2urdf.stage_calls.calls import Call, blaming, depending_on, own_work
-from dh2urdf.stage_calls.column_calls import read_columns
 from dh2urdf.stages import Emitter, NoOptions
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 

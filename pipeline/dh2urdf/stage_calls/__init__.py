@@ -1,1 +1,0 @@
-"""Calls of stages: what goes into them, what comes out, and whose fault it is when one fails."""

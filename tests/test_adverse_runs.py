@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from permissions import ordinary, pytest_linux
+from run_files import tree
 
 import dh2urdf
 from dh2urdf.errors import TableError
@@ -40,11 +40,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text(RUN)
     return tmp_path
-
-
-def tree(folder: Path) -> dict[str, str]:
-    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 # --- Inputs that change -----------------------------------------------------------------------------------------------
@@ -92,12 +87,11 @@ def test_an_input_that_changes_while_it_is_read_fails(folder: Path, change: Call
 # --- The clock, and an upgrade ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("days", [-4000])
-def test_a_clock_set_back_or_forward_changes_nothing(cli: Cli, folder: Path, days: int) -> None:
+def test_a_clock_set_back_changes_nothing(cli: Cli, folder: Path) -> None:
     """What is finished is known by its bytes, whatever the times of files are."""
     cli("run", "run.yaml", "--workers", 1)
     for path in [*folder.rglob("*")]:
-        moment = path.stat().st_mtime + days * 86400
+        moment = path.stat().st_mtime - 4000 * 86400
         os.utime(path, (moment, moment))
     (folder / "out/00001/arm_08.urdf").write_text("cut off")
     answer = cli("run", "run.yaml", "--resume", "--workers", 1).stdout
@@ -150,14 +144,11 @@ def test_a_folder_without_permission_is_told(folder: Path) -> None:
         for name in ("tables/closed", "locked"):
             (folder / name).chmod(0o755)
     assert some.returncode == 0, some.stderr
-    assert "'tables/closed' cannot be searched: Permission denied" in some.stderr
-    assert "files that match 'tables/*/*.csv' may be missing" in some.stderr
-    assert none.returncode == 2
-    assert "no file matches 'tables/c*/*.csv'" in none.stderr
-    assert "'tables/closed' cannot be searched: Permission denied" in none.stderr
-    assert locked.returncode == 2
-    assert "cannot write to the folder 'locked/out': Permission denied" in locked.stderr
-    assert not any("Traceback" in answer.stderr for answer in (some, none, locked))
+    assert (none.returncode, locked.returncode) == (2, 2)
+    for answer, place in ((some, "'tables/closed'"), (none, "'tables/closed'"), (locked, "'locked/out'")):
+        assert place in answer.stderr
+        assert "Permission denied" in answer.stderr
+        assert "Traceback" not in answer.stderr
 
 
 @pytest_linux
@@ -186,15 +177,3 @@ def test_a_pattern_over_a_whole_disk_has_a_bound(folder: Path, monkeypatch: pyte
     monkeypatch.setattr("dh2urdf.output.file_patterns.MOST_ENTRIES", 20)
     with pytest.raises(dh2urdf.errors.ConfigError, match="leads past more than 20 files and folders"):
         matching(folder, "**/*.csv")
-
-
-def test_a_pattern_that_matches_what_an_earlier_run_wrote(cli: Cli, folder: Path) -> None:
-    """The first run is fine; the second one named no pattern, and said nothing of the first."""
-    words = ("run", "all.yaml", "--workers", 1)
-    (folder / "g").mkdir()
-    (folder / "g/arm.csv").write_text(TABLE)
-    (folder / "all.yaml").write_text("inputs: g/*\noutput: {directory: g}\n")
-    cli(*words)
-    said = cli(*words, status=2).stderr
-    assert "all.yaml:1:9: error: no reader is known for the file 'manifest.jsonl'\n" in said
-    cli(*words, "--set", "inputs=g/*.csv")

@@ -89,15 +89,10 @@ def test_every_profile_of_every_table(folder: Path, table: str, profile: str) ->
     made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf", profile=profile)
     assert_whole(folder / "arm.urdf", len(made.manipulator.moving_rows))
     assert [notice for notice in made.notices if notice.field == "base.mass"] == []
-
-
-@pytest.mark.parametrize("table", TABLES)
-def test_sdf_of_every_table(folder: Path, table: str) -> None:
-    """The base of the SDF has the mass that it has in the URDF."""
-    made = dh2urdf.convert(folder / f"{table}.csv", folder / "arm.sdf")
-    assert_whole(folder / "arm.sdf", len(made.manipulator.moving_rows))
-    dh2urdf.convert(folder / f"{table}.csv", folder / "arm.urdf")
-    assert masses(folder / "arm.sdf")["base_link_inertia"] == masses(folder / "arm.urdf")["base_link_inertia"]
+    if profile == "gazebo":  # The base of the SDF has the mass that it has in the URDF.
+        dh2urdf.convert(folder / f"{table}.csv", folder / "arm.sdf")
+        assert_whole(folder / "arm.sdf", len(made.manipulator.moving_rows))
+        assert masses(folder / "arm.sdf")["base_link_inertia"] == masses(folder / "arm.urdf")["base_link_inertia"]
 
 
 @pytest.mark.parametrize(
@@ -144,12 +139,10 @@ def test_a_mass_of_0_is_a_choice(folder: Path, emitter: str, options: dict[str, 
     assert all(said in message for message in found)
 
 
-@pytest.mark.parametrize("emitters", ["[{stage: urdf, options: {profile: gazebo}}]"])
-def test_what_gazebo_gets_of_a_cell_without_masses_of_bases(folder: Path, cli: Cli, emitters: str) -> None:
+def test_what_gazebo_gets_of_a_cell_without_masses_of_bases(folder: Path, cli: Cli) -> None:
     """The base at rest without a mass gets one; no other link does, such as the base of an arm on a link that moves."""
-    (folder / "run.yaml").write_text(
-        CELL.replace("first", "stated").replace("second", "none") + f"emitters: {emitters}\n"
-    )
+    cell = CELL.replace("first", "stated").replace("second", "none")
+    (folder / "run.yaml").write_text(f"{cell}emitters: [{{stage: urdf, options: {{profile: gazebo}}}}]\n")
     cli("run", "run.yaml", "--quiet")
     (path,) = folder.glob("o/shop.*")
     found = masses(path)
@@ -158,6 +151,6 @@ def test_what_gazebo_gets_of_a_cell_without_masses_of_bases(folder: Path, cli: C
     (shop,) = (
         row for row in json.loads((folder / "o" / "report.json").read_bytes())["manipulators"] if row["name"] == "shop"
     )
-    assert (RIDER in json.dumps(shop["notices"])) == ("urdf" in emitters)
+    assert RIDER in json.dumps(shop["notices"])
     roots = ("one_base_link", "two_base_link", "up_base_link", "up_base_link_inertia")
     assert [found.get(name, 0.0) for name in roots] == [0.0] * 4

@@ -73,8 +73,7 @@ def test_a_cell_of_parquet_of_hundreds_of_megabytes(parquet: Any, tmp_path: Path
     )
 
 
-@pytest.mark.parametrize("typed", [True])
-def test_a_long_cell_that_many_rows_of_parquet_share(parquet: Any, tmp_path: Path, *, typed: bool) -> None:
+def test_a_long_cell_that_many_rows_of_parquet_share(parquet: Any, tmp_path: Path) -> None:
     """A dictionary holds it once, and each row that is read would have its own: 30 GB."""
     import pyarrow as pa
 
@@ -82,12 +81,11 @@ def test_a_long_cell_that_many_rows_of_parquet_share(parquet: Any, tmp_path: Pat
     columns = {key: values * (count // 2) for key, values in ARM.items()}
     note = pa.DictionaryArray.from_arrays(pa.array([0] * count, pa.int32()), ["x" * 10_000_000])
     columns |= {"robot": [f"r{k}" for k in range(count)], "note": note}
-    path = parquet("shared", columns, store_schema=typed)
+    path = parquet("shared", columns)
     assert refused(path, tmp_path / "plain.parquet") == "the column 'note' has a text of 10,000,000 bytes"
 
 
-@pytest.mark.parametrize("named", [True])
-def test_rows_of_one_manipulator_are_counted_before_they_are_read(parquet: Any, tmp_path: Path, *, named: bool) -> None:
+def test_rows_of_one_manipulator_are_counted_before_they_are_read(parquet: Any, tmp_path: Path) -> None:
     """3,000,000 rows took 16 s, to say that there are at most 5,000 joints."""
     import numpy as np
     import pyarrow as pa
@@ -95,24 +93,15 @@ def test_rows_of_one_manipulator_are_counted_before_they_are_read(parquet: Any, 
     count = 3_000_000
     columns: dict[str, Any] = dict.fromkeys(GEOMETRY, np.zeros(count))
     columns["convention"] = pa.array(["standard"] * count).dictionary_encode()
-    if named:
-        columns["robot"] = pa.array(["a"] * count).dictionary_encode()
+    columns["robot"] = pa.array(["a"] * count).dictionary_encode()
     path, plain = parquet("rows", columns), tmp_path / "plain.parquet"
     assert " joints" in refused(path, plain)
     assert read(path)[2] < read(plain)[2] + 1.0
 
 
-@pytest.mark.parametrize("suffix", [".parquet", ".csv"])
-def test_a_table_has_a_thousand_columns(parquet: Any, tmp_path: Path, suffix: str) -> None:
+def test_a_table_has_a_thousand_columns(parquet: Any, tmp_path: Path) -> None:
     """4,000 columns that nothing is called took 9 to 15 s."""
-    names = [f"c{k}" for k in range(4000)]
-    if suffix == ".parquet":
-        path = parquet("columns", {**ARM, **{name: [1.0, 2.0] for name in names}})
-        plain = tmp_path / "plain.parquet"
-    else:
-        path, plain = tmp_path / "columns.csv", tmp_path / "plain.csv"
-        plain.write_text("# convention: standard\na,alpha,d\n0.1,0,0.2\n")
-        path.write_text(f"# convention: standard\na,alpha,d,{','.join(names)}\n0.1,0,0.2{',1' * len(names)}\n")
+    path, plain = parquet("columns", {**ARM, **{f"c{k}": [1.0, 2.0] for k in range(4000)}}), tmp_path / "plain.parquet"
     assert refused(path, plain).endswith(" columns")
     assert read(path)[2] < read(plain)[2] + 1.0
 
@@ -133,11 +122,10 @@ def workbook(path: Path, sheet: bytes = b"") -> Path:
     return path
 
 
-@pytest.mark.parametrize("sheet", [b'<row r="2000000000"/>'])
-def test_a_row_behind_two_thousand_million_that_hold_nothing(tmp_path: Path, sheet: bytes) -> None:
+def test_a_row_behind_two_thousand_million_that_hold_nothing(tmp_path: Path) -> None:
     """A sheet has 1,048,576 rows and 16,384 columns; a higher number would have been waited for for hours."""
     plain = workbook(tmp_path / "plain.xlsx")
-    message = refused(workbook(tmp_path / "far.xlsx", sheet), plain)
+    message = refused(workbook(tmp_path / "far.xlsx", b'<row r="2000000000"/>'), plain)
     assert message.startswith("the workbook cannot be read: ")
 
 
@@ -146,13 +134,3 @@ def test_a_workbook_is_measured_before_it_is_unpacked(tmp_path: Path) -> None:
     plain = workbook(tmp_path / "plain.xlsx")
     path = workbook(tmp_path / "large.xlsx", b" " * 600_000_000)
     assert refused(path, plain).endswith("MiB in 9 parts when unpacked")
-
-
-@pytest.mark.parametrize("suffix", [".yaml", ".json"])
-def test_aliases_are_counted_before_they_are_unfolded(tmp_path: Path, suffix: str) -> None:
-    """Forty aliases of two aliases each would be a million million values; JSON has none, and is nested instead."""
-    plain, path = tmp_path / f"plain{suffix}", tmp_path / f"bomb{suffix}"
-    plain.write_text('{"convention": "standard", "joints": [{"a": 0.1, "alpha": 0, "d": 0.2}]}')
-    aliases = "a0: &a0 [1, 1]\n" + "".join(f"a{k + 1}: &a{k + 1} [*a{k}, *a{k}]\n" for k in range(40))
-    path.write_text(aliases if suffix == ".yaml" else '{"joints": ' + "[" * 10_000_000)
-    refused(path, plain)

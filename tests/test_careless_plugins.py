@@ -72,7 +72,7 @@ def dh2urdf_executors():
     return [Executor(name="bad", summary="s", map=work, options=NoOptions)]
 """
 RUN = "inputs: arm.bad\nemitters: bad\noutput: {directory: out}\nreport: {html: false}\n"
-FIRST, BOTH = "loaders: first\n", "loaders: [first, second]\n"
+BOTH = "loaders: [first, second]\n"
 
 
 @pytest.fixture
@@ -145,15 +145,11 @@ def test_dots_without_an_end_take_no_time(
 
 
 @WORKERS
-@pytest.mark.parametrize(
-    "code",
-    ["request.path.write_text('changed')"],
-    ids=["changed"],
-)
 def test_a_loader_that_changes_its_file_is_the_one_that_fails(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], code: str, workers: str
+    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], workers: str
 ) -> None:
     """The next loader finds the file as it was written; it was the one that failed."""
+    code = "request.path.write_text('changed')"
     answer, states = made("load", code, "--workers", workers, more=BOTH, status=1)
     assert states == {"left": "ok", "right": "failed", "third": "ok"}
     assert "loader 'first' of lab 1.0 failed: ValueError: it changed or removed the file 'right.bad'" in answer.stderr

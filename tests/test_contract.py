@@ -37,6 +37,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 CATALOG = load()
+
+
+def held(contract: type[Any], name: str, **more: Any) -> type[Any]:
+    """The contract of a built-in stage that has nothing of its own but options."""
+    return type(contract.__name__, (contract,), {"stage": CATALOG.get(contract.kind, name), **more})
+
+
 CSV = "# convention: standard\njoint, a, alpha, d\nhip, 0.4, pi/2, 0.1\nknee, 0.3, 0, 0\n"
 
 
@@ -87,9 +94,7 @@ URDF = """<?xml version="1.0"?>
 """
 
 
-class TestUrdfDescription(ReaderContract):
-    stage = CATALOG.get("reader", "urdf")
-    example = URDF
+TestUrdfDescription = held(ReaderContract, "urdf", example=URDF)
 
 
 @pytest.mark.skipif(not find_spec("xacro"), reason="xacro is not installed")
@@ -153,9 +158,8 @@ class TestFrankaKinematics(ReaderContract):
     )
 
 
-class TestScrews(ReaderContract):
-    stage = CATALOG.get("reader", "screws")
-    example = "Slist: [[0, 0], [0, 1], [1, 0], [0, -0.3], [0, 0], [0, 0]]\nM: {xyz: [0.5, 0, 0.3]}\n"
+SCREWS = "Slist: [[0, 0], [0, 1], [1, 0], [0, -0.3], [0, 0], [0, 0]]\nM: {xyz: [0.5, 0, 0.3]}\n"
+TestScrews = held(ReaderContract, "screws", example=SCREWS)
 
 
 @pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
@@ -206,13 +210,10 @@ class TestYaml(ReaderContract):
         return json.dumps({"robots": arms})
 
 
-class TestAlphaSwap(TransformContract):
-    stage = CATALOG.get("transform", "alpha-swap")
-
-
-class TestAlphaSwapWithFramesOfTheTable(TransformContract):
-    stage = CATALOG.get("transform", "alpha-swap")
-    options = AlphaSwapOptions(frames="dh", shape="box")
+TestAlphaSwap = held(TransformContract, "alpha-swap")
+TestAlphaSwapWithFramesOfTheTable = held(
+    TransformContract, "alpha-swap", options=AlphaSwapOptions(frames="dh", shape="box")
+)
 
 
 class TestCalibrate(EditContract):
@@ -223,78 +224,25 @@ class TestCalibrate(EditContract):
     )
 
 
-class TestLimits(EditContract):
-    stage = CATALOG.get("edit", "limits")
-    options = LimitsOptions(range=0.9, velocity=0.5, effort=0.8)
+MOUNT = MountOptions(name="camera", xyz=(0.0, 0.05, 0.1), size=(0.02, 0.09, 0.02), mass=0.1, optical=True)
+TestLimits = held(EditContract, "limits", options=LimitsOptions(range=0.9, velocity=0.5, effort=0.8))
+TestMount = held(EditContract, "mount", options=MOUNT)
+TestPayload = held(EditContract, "payload", options=PayloadOptions(mass=2.5, com=(0, 0.01, 0.1), size=(0.1, 0.2, 0.3)))
+TestRename = held(EditContract, "rename", options=RenameOptions(prefix="left_", pattern="_joint$"))
 
+TestUrdf = held(EmitterContract, "urdf")
+TestXacro = held(EmitterContract, "xacro")
+TestSdf = held(EmitterContract, "sdf")
+TestMjcf = held(EmitterContract, "mjcf")
+TestRos2 = held(EmitterContract, "ros2", stem="arm_7")
+TestSrdf = held(EmitterContract, "srdf", options=replace(CATALOG.get("emitter", "srdf").options(), trials=100))
+TestTable = held(EmitterContract, "table")
 
-class TestMount(EditContract):
-    stage = CATALOG.get("edit", "mount")
-    options = MountOptions(name="camera", xyz=(0.0, 0.05, 0.1), size=(0.02, 0.09, 0.02), mass=0.1, optical=True)
-
-
-class TestPayload(EditContract):
-    stage = CATALOG.get("edit", "payload")
-    options = PayloadOptions(mass=2.5, com=(0.0, 0.01, 0.1), size=(0.1, 0.2, 0.3))
-
-
-class TestRename(EditContract):
-    stage = CATALOG.get("edit", "rename")
-    options = RenameOptions(prefix="left_", pattern="_joint$")
-
-
-class TestUrdf(EmitterContract):
-    stage = CATALOG.get("emitter", "urdf")
-
-
-class TestXacro(EmitterContract):
-    stage = CATALOG.get("emitter", "xacro")
-
-
-class TestSdf(EmitterContract):
-    stage = CATALOG.get("emitter", "sdf")
-
-
-class TestMjcf(EmitterContract):
-    stage = CATALOG.get("emitter", "mjcf")
-
-
-class TestRos2(EmitterContract):
-    stage = CATALOG.get("emitter", "ros2")
-    stem = "arm_7"
-
-
-class TestSrdf(EmitterContract):
-    stage = CATALOG.get("emitter", "srdf")
-    options = replace(CATALOG.get("emitter", "srdf").options(), trials=100)
-
-
-class TestTable(EmitterContract):
-    stage = CATALOG.get("emitter", "table")
-
-
-@pytest.mark.long
-class TestPyBullet(LoaderContract):
-    stage = CATALOG.get("loader", "pybullet")
-
-
-@pytest.mark.long
-class TestMujoco(LoaderContract):
-    stage = CATALOG.get("loader", "mujoco")
-
-
-class TestPinocchio(LoaderContract):
-    stage = CATALOG.get("loader", "pinocchio")
-
-
-@pytest.mark.long
-class TestDrake(LoaderContract):
-    stage = CATALOG.get("loader", "drake")
-
-
-@pytest.mark.long
-class TestGazebo(LoaderContract):
-    stage = CATALOG.get("loader", "gazebo")
+TestPyBullet = pytest.mark.long(held(LoaderContract, "pybullet"))
+TestMujoco = pytest.mark.long(held(LoaderContract, "mujoco"))
+TestPinocchio = held(LoaderContract, "pinocchio")
+TestDrake = pytest.mark.long(held(LoaderContract, "drake"))
+TestGazebo = pytest.mark.long(held(LoaderContract, "gazebo"))
 
 
 @pytest.mark.usefixtures("simulator")
@@ -315,20 +263,9 @@ class TestCoppeliaSim(LoaderContract):
             yield running
 
 
-class TestLocal(ExecutorContract):
-    stage = CATALOG.get("executor", "local")
-    options = LocalOptions(workers=2)
-
-
-class TestLocalInThisProcess(ExecutorContract):
-    stage = CATALOG.get("executor", "local")
-    options = LocalOptions(workers=1)
-
-
-@pytest.mark.long
-class TestDask(ExecutorContract):
-    stage = CATALOG.get("executor", "dask")
-    options = DaskOptions(workers=2)
+TestLocal = held(ExecutorContract, "local", options=LocalOptions(workers=2))
+TestLocalInThisProcess = held(ExecutorContract, "local", options=LocalOptions(workers=1))
+TestDask = pytest.mark.long(held(ExecutorContract, "dask", options=DaskOptions(workers=2)))
 
 
 def test_no_installed_stage_is_left_out() -> None:

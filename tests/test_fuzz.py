@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -84,12 +82,3 @@ def test_the_oracle_notices_another_sum(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(targets, "evaluate", lambda *_arguments, **_options: Quantity(3.0000000000000004))
     with pytest.raises(targets.Broken, match="and Python says 3"):
         targets.TARGETS["expression"](b"1 + 2")
-
-
-def test_an_unknown_target_is_told() -> None:
-    """The script names its targets; it needs no fuzzer for that."""
-    result = subprocess.run(
-        [sys.executable, FUZZ / "fuzz.py", "xml"], capture_output=True, text=True, check=False, timeout=60
-    )
-    assert result.returncode == 2
-    assert "the targets are csv, yaml, expression, urdf, sdf, mjcf, xacro, run_file" in result.stderr

@@ -89,8 +89,7 @@ def test_a_program_is_refused_too(folder: Path, monkeypatch: pytest.MonkeyPatch)
 # --- run --------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["report.json", "Report.JSON"])
-@pytest.mark.parametrize("words", [(), ("--resume",)], ids=" ".join)
+@pytest.mark.parametrize(("name", "words"), [("report.json", ()), ("Report.JSON", ("--resume",))])
 def test_a_run_refuses_to_overwrite_a_table(cli: Cli, folder: Path, name: str, words: tuple[str, ...]) -> None:
     """A table in the output folder that is called like a file of the run is named before anything is written."""
     (folder / name).write_text(JSON)
@@ -98,7 +97,6 @@ def test_a_run_refuses_to_overwrite_a_table(cli: Cli, folder: Path, name: str, w
     before = contents(folder)
     answer = cli("run", "run.yaml", *words, status=2)
     assert f"the run would overwrite its input '{name}'" in answer.stderr
-    assert "`output: {directory: DIR}`" in answer.stderr
     assert contents(folder) == before
 
 
@@ -181,12 +179,12 @@ def test_a_file_in_a_folder_of_an_emitter_is_written_over_no_table(
     assert (folder / "arm" / "arm.csv").read_text() == TABLE
 
 
-@pytest.mark.parametrize("order", [("arm", "arm_parts", "arm_parts_parts")])
 def test_two_arms_of_an_emitter_of_two_files_share_none(
-    dh2urdf: Callable[..., object], install: Callable[..., None], tmp_path: Path, order: tuple[str, str, str]
+    dh2urdf: Callable[..., object], install: Callable[..., None], tmp_path: Path
 ) -> None:
     """The second file of the arm `arm` and the main file of `arm_parts` were one, and the last one remained."""
     source = NOTES.replace("{stem}.csv", "{stem}_parts.notes").replace('b"x"', "robot.name.encode()")
+    order = ("arm", "arm_parts", "arm_parts_parts")
     rows = "".join(f"{name},0.3,0,0.1\n" for name in order)
     (tmp_path / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
     (tmp_path / "run.yaml").write_text("inputs: arms.csv\nemitters: [urdf, notes]\noutput: {directory: out}\n")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from known_arms import KnownArm, KnownRow
 from known_quantities import ANGLE, LENGTH, Exact
-from known_words import documented
 from tables import Figures, WrongReading, counted_fast, run_case
 
 from dh2urdf.columns import member, stacked
@@ -93,11 +92,3 @@ def test_the_kinematics_of_the_known_arms_are_those_of_the_definition(convention
     row.numbers = {"a": exact(1, LENGTH), "alpha": exact(0, ANGLE), "d": exact(2, LENGTH), "theta": exact(90, ANGLE)}
     pose = KnownArm("arm", convention, [row]).fk([0.0])
     np.testing.assert_allclose(pose, [[0, -1, 0, tool[0]], [1, 0, 0, tool[1]], [0, 0, 1, 2], [0, 0, 0, 1]], atol=1e-15)
-
-
-def test_the_words_come_from_the_documentation() -> None:
-    """A table of the page that is not found would leave the generator without its words."""
-    assert {table: len(documented(table)) > 3 for table in ("fields", "units")} == dict.fromkeys(
-        ("fields", "units"), True
-    )
-    assert len(documented("conventions")) == 2

@@ -7,6 +7,7 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
+from run_files import tree
 
 import dh2urdf
 from dh2urdf.output.layouts import Form
@@ -35,11 +36,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text(RUN)
     return tmp_path
-
-
-def tree(folder: Path) -> dict[str, str]:
-    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def run(cli: Cli, *words: str) -> str:

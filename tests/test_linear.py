@@ -84,7 +84,6 @@ def table(reader: str) -> Callable[[Path], object]:
 
 CSV_TEXTS: dict[str, Callable[[str], str]] = {
     "a comment": lambda text: CSV.format(f"# x {text}\n", "", ""),
-    "a statement": lambda text: CSV.format(f"# base: {text}\n", "", ""),
     "a title": lambda text: CSV.format(f"x {text}\n", "", ""),
     "a header": lambda text: CSV.format("", "", "").replace("theta", f"theta {text}"),
     "a cell": lambda text: CSV.format("", "", "").replace("0.1", text, 1),
@@ -174,14 +173,14 @@ def each(form: str, n: int) -> str:
     return "".join(form.format(i=i, h=i - 1, k=i + 1) for i in range(n))
 
 
-def chain(n: int, kind: str = "revolute", more: str = "", parent: str = "l{i}") -> str:
+def chain(n: int, more: str = "", parent: str = "l{i}") -> str:
     """A URDF of n joints."""
     link = (
         '<link name="l{i}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
         '<visual><geometry><box size="1 1 1"/></geometry></visual></link>'
     )
     joint = (
-        f'<joint name="j{{i}}" type="{kind}"><parent link="{parent}"/><child link="l{{k}}"/><axis xyz="0 0 1"/>'
+        f'<joint name="j{{i}}" type="revolute"><parent link="{parent}"/><child link="l{{k}}"/><axis xyz="0 0 1"/>'
         f'<limit lower="-1" upper="1" effort="1" velocity="1"/>{more}</joint>'
     )
     return each(link, n + 1) + each(joint, n)
@@ -194,24 +193,20 @@ URDF: dict[str, Callable[[int], str]] = {
         chain(n) + each('<joint name="k{i}" type="fixed"><parent link="l{i}"/><child link="l{k}"/></joint>', n)
     ),
     "joints that follow each other": lambda n: chain(n, more='<mimic joint="j{h}"/>'),
-    "misspelt references of gazebo": lambda n: chain(n) + each('<gazebo reference="lnk{i}x"><mu1>1</mu1></gazebo>', n),
 }
 SDF_LINKS = '<link name="l{i}"><inertial><mass>1</mass></inertial></link>'
 SDF_JOINT = (
-    '<joint name="j{i}" type="{{}}"><parent>l{i}</parent><child>l{k}</child><axis><xyz>0 0 1</xyz></axis></joint>'
+    '<joint name="j{i}" type="revolute"><parent>l{i}</parent><child>l{k}</child><axis><xyz>0 0 1</xyz></axis></joint>'
 )
 
 
-def sdf_chain(n: int, kind: str = "revolute", joint: str = SDF_JOINT) -> str:
-    return each(SDF_LINKS, n + 1) + each(joint, n).replace("{}", kind)
+def sdf_chain(n: int, joint: str = SDF_JOINT) -> str:
+    return each(SDF_LINKS, n + 1) + each(joint, n)
 
 
 SDF: dict[str, Callable[[int], str]] = {
     "links": sdf_chain,
     "misspelt parents": lambda n: sdf_chain(n, joint=SDF_JOINT.replace("<parent>l{i}", "<parent>lnk{i}x")),
-    "frames attached to each other": lambda n: (
-        '<link name="f0"/>' + each('<frame name="f{k}" attached_to="f{i}"><pose>0 0 1 0 0 0</pose></frame>', n)
-    ),
     "frames in a ring": lambda n: (
         '<link name="a"/>'
         + each('<frame name="f{k}" attached_to="f{i}"/>', n)
@@ -221,11 +216,8 @@ SDF: dict[str, Callable[[int], str]] = {
 
 
 def bodies(n: int) -> str:
-    return (
-        "<worldbody>"
-        + each('<body name="b{i}"><joint name="jnt{i}"/><geom size="1"/><site name="s{i}"/></body>', n)
-        + "</worldbody>"
-    )
+    inside = each('<body name="b{i}"><joint name="jnt{i}"/><geom size="1"/><site name="s{i}"/></body>', n)
+    return f"<worldbody>{inside}</worldbody>"
 
 
 MJCF: dict[str, Callable[[int], str]] = {

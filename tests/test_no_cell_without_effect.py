@@ -16,15 +16,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import yaml
 from dialects import WRITERS
 from effects import Outcome, has_effect, outcome
 from file_texts import File, flow
 from known_arms import KnownArm
 from known_quantities import Text
 from known_tables import Arm, Column, Table
-
-import dh2urdf
-from dh2urdf.errors import ConfigError, Dh2UrdfError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -330,35 +328,16 @@ DOCUMENT: dict[str, Any] = {
     "defaults": {**SAID["defaults"], "friction": "0.75", "limits": {"velocity": "77"}},
     "visuals": "none",
     "collisions": "none",
-    "joints": [
-        {
-            "name": "shoulder",
-            "link": "upper_arm",
-            "type": "revolute",
-            "a": "120.5",
-            "alpha": "85",
-            "d": "89.25",
-            "theta": "15",
-            "offset": "31.5",
-            "flip": "true",
-            "limits": {"lower": "-170", "upper": "165.5", "velocity": "121", "effort": "152"},
-            "mass": "3.7",
-            "com": ["10.5", "-20.5", "30.5"],
-            "inertia": {
-                "ixx": "0.021",
-                "iyy": "0.022",
-                "izz": "0.023",
-                "ixy": "0.0011",
-                "ixz": "0.0012",
-                "iyz": "0.0013",
-            },
-            "radius": "45.5",
-            "damping": "0.51",
-            "friction": "0.26",
-            "armature": "0.0125",
-        },
-        {"name": "slide", "link": "carriage", "type": "prismatic", "a": "-30.5", "alpha": "-44", "d": "50.25"},
-    ],
+    "joints": yaml.load(
+        """
+        - {name: shoulder, link: upper_arm, type: revolute, a: 120.5, alpha: 85, d: 89.25, theta: 15, offset: 31.5,
+           flip: true, limits: {lower: -170, upper: 165.5, velocity: 121, effort: 152}, mass: 3.7,
+           com: [10.5, -20.5, 30.5], radius: 45.5, damping: 0.51, friction: 0.26, armature: 0.0125,
+           inertia: {ixx: 0.021, iyy: 0.022, izz: 0.023, ixy: 0.0011, ixz: 0.0012, iyz: 0.0013}}
+        - {name: slide, link: carriage, type: prismatic, a: -30.5, alpha: -44, d: 50.25}
+        """,
+        yaml.BaseLoader,  # noqa: S506 - texts, as a person types them
+    ),
 }
 
 
@@ -452,30 +431,3 @@ def test_every_key_and_value_of_yaml_has_an_effect(what: str, suffix: str, tmp_p
         if missing := has_effect(before, read(document), changes=changes, words=words):
             silent[name] = missing
     assert not silent, "\n".join(f"{name}: {missing}" for name, missing in silent.items())
-
-
-# --- Python -----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "name", ["convention", "length_unit", "angle_unit", "units", "base", "tool", "payload", "calibration"]
-)
-def test_an_argument_of_python_has_an_effect(name: str, tmp_path: Path) -> None:
-    """Another value is another arm; a name that is misspelt, or a value that is none, is refused by its name."""
-    path = tmp_path / "arm.csv"
-    path.write_text("a,alpha,d,theta\n0.5,0.25,0.1,0.125\n0.3,0,0,0\n")
-
-    def call(**options: Any) -> Any:
-        return dh2urdf.read(path, **options)
-
-    default: dict[str, Any] = {"convention": "standard"}
-    values: dict[str, Any] = {"convention": "mdh", "length_unit": "cm", "angle_unit": "deg"}
-    values |= {"units": {"length": "cm"}, "payload": {"mass": 1}, "calibration": tmp_path / "differences.csv"}
-    (tmp_path / "differences.csv").write_text("a,alpha,d,theta\n0.5,0.25,0.1,0.125\n0.3,0,0,0\n")
-    value = values.get(name, {"xyz": [0, 0, 1]})
-    assert call(**{**default, name: value}) != call(**default)
-    for slip in (name[:-1], name + "s", name.upper()):
-        with pytest.raises(ConfigError, match=slip):
-            call(**{**default, slip: value})
-    with pytest.raises(Dh2UrdfError, match=name):
-        call(**{**default, name: "perhaps"})

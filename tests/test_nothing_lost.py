@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import random
@@ -13,6 +12,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from run_files import tree
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,12 +41,6 @@ variations:
 output: {{directory: out, size: 100}}
 """
 COMMAND = (sys.executable, "-c", "from dh2urdf.cli import main; main()")
-
-
-def tree(folder: Path) -> dict[str, str]:
-    """The files of a run by their names, as hashes; not its durations."""
-    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def manifest(folder: Path) -> list[dict[str, Any]]:
@@ -181,9 +175,8 @@ def test_a_shard_has_what_the_manifest_has_and_nothing_else(
 
 MISFITS = """
 import os, signal, time
-from dataclasses import dataclass, replace
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.stages import EmittedFile, Emitter, Loader, LoadReport, NoOptions
+from dh2urdf.stages import EmittedFile, Emitter, NoOptions
 
 def misbehave(name):
     if "segfault" in name:
@@ -199,47 +192,29 @@ def emit(robot, stem, options):
     misbehave(robot.name)
     return [EmittedFile(name=f"{stem}.txt", content=robot.name.encode())]
 
-def load(request, options):
-    misbehave(request.robot.name)
-    return LoadReport(simulator="misfit", version="1")
-
 @hookimpl
 def dh2urdf_emitters():
     return [Emitter(name="misfit", summary="misbehaves", emit=emit, options=NoOptions, suffixes=(".txt",))]
-
-@hookimpl
-def dh2urdf_loaders():
-    return [Loader(name="misfit", summary="misbehaves", open=load, options=Hasty)]
-
-@dataclass(frozen=True)
-class Hasty:
-    poses, time_limit = 1, 4.0
 """
 NAMES = ["a", "segfault", "b", "hang", "c", "raise", *(f"arm{number}" for number in range(40))]
 
 
 @pytest.fixture
-def misfits(tmp_path: Path) -> Path:
-    """A plugin whose stages misbehave with some manipulators, and a table of these among others."""
-    site = tmp_path / "site"
-    (site / "misfits-1.0.dist-info").mkdir(parents=True)
-    (site / "misfits.py").write_text(MISFITS)
-    (site / "misfits-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: misfits\nVersion: 1.0\n")
-    (site / "misfits-1.0.dist-info/entry_points.txt").write_text("[dh2urdf]\nmisfits = misfits\n")
+def misfits(tmp_path: Path, install: Callable[..., None]) -> Path:
+    """A plugin whose stage misbehaves with some manipulators, and a table of these among others."""
+    install(tmp_path / "site", "misfits", MISFITS)
     rows = [f"{name},{cells}" for name in NAMES for cells in UR5.splitlines()[2:]]
     (tmp_path / "arms.csv").write_text("\n".join(["# convention: standard", "robot,joint,a,alpha,d", *rows]))
     return tmp_path
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("stage", "layout"), [("emitter", "shards")])
 def test_a_stage_that_misbehaves_costs_one_manipulator(
-    misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]], stage: str, layout: str
+    misfits: Path, dh2urdf: Callable[..., CompletedProcess[str]]
 ) -> None:
     """One that crashes its process, one that hangs and one that raises: three failed rows that say so, exit status 1."""
-    stages = {"emitter": "emitters: [urdf, misfit]", "loader": "loaders: misfit"}[stage]
     (misfits / "run.yaml").write_text(
-        f"inputs: arms.csv\n{stages}\noutput: {{directory: out, layout: {layout}}}\n"
+        "inputs: arms.csv\nemitters: [urdf, misfit]\noutput: {directory: out, layout: shards}\n"
         "execution: {stage: local, options: {workers: 2}, time_limit: 4}\nreport: {html: false}\n"
     )
     answer = dh2urdf("run", "run.yaml", path=[misfits / "site"], status=1)
@@ -263,33 +238,3 @@ def test_a_stage_that_misbehaves_costs_one_manipulator(
         "stage": ["raise"],
     }
     assert "Traceback" not in answer.stderr
-
-
-@pytest.mark.parametrize("workers", [2])
-@pytest.mark.long
-def test_an_interrupt_ends_a_run_in_a_second_and_it_can_be_resumed(
-    many: Path, dh2urdf: Callable[..., CompletedProcess[str]], workers: int
-) -> None:
-    """Ctrl-C: exit status 130, a line that says how to go on, and the run goes on to the same bytes."""
-    dh2urdf("run", "run.yaml", "--quiet", "-o", "whole")
-    with subprocess.Popen(
-        [*COMMAND, "run", "run.yaml", "--workers", str(workers)],
-        cwd=many,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as process:
-        patience = time.monotonic() + 60
-        while len(list((many / "out").glob("*.urdf"))) < 10 and time.monotonic() < patience:
-            time.sleep(0.01)
-        os.killpg(process.pid, signal.SIGINT)
-        asked = time.monotonic()
-        _, said = process.communicate(timeout=60)
-        took = time.monotonic() - asked
-    assert process.returncode == 130
-    assert "--resume" in said
-    assert "Traceback" not in said
-    assert took < 10  # a second on a machine that has nothing else to do
-    dh2urdf("run", "run.yaml", "--quiet", "--resume")
-    assert tree(many / "out") == tree(many / "whole")

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
-import tarfile
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from run_files import tree
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
     from subprocess import CompletedProcess
 
     from conftest import Answer
 
-Damage = Callable[[bytearray], "bytes | bytearray"]
 LAYOUTS = {"files": "", "shards": ", layout: shards, size: 4"}
 TABLE = "# convention: standard\nrobot, joint, a, alpha, d\nr1, j1, 0.4, pi/2, 0.1\nr1, j2, 0.3, 0, 0\n"
 RUN = """\
@@ -34,12 +32,6 @@ def run(layout: str) -> str:
     return RUN.replace("LAYOUT", LAYOUTS[layout])
 
 
-def tree(folder: Path) -> dict[str, str]:
-    """The files of a run by their names, as hashes; not its durations."""
-    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json"]
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
-
-
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (tmp_path / "t.csv").write_text(TABLE)
@@ -50,43 +42,11 @@ def folder(tmp_path: Path) -> Path:
 # --- Damaged files ----------------------------------------------------------------------------------------------------
 
 
-def end_of_data(shard: bytearray) -> int:
-    """Where the last block begins that is not all zeros, and so the last content ends."""
-    return len(shard.rstrip(b"\0")) // 512 * 512 + 512
-
-
-def with_member(shard: bytearray, name: str, kind: bytes = tarfile.REGTYPE) -> bytes:
-    """A shard with one more file behind the others, as GNU tar and Python append it."""
-    stream = io.BytesIO(shard)
-    with tarfile.open(fileobj=stream, mode="a") as archive:
-        member = tarfile.TarInfo(name)
-        member.type, member.linkname = kind, "/etc/passwd" if kind == tarfile.SYMTYPE else ""
-        content = b"old" if kind == tarfile.REGTYPE else b""
-        member.size = len(content)
-        archive.addfile(member, io.BytesIO(content))
-    return stream.getvalue()
-
-
-def with_header(shard: bytearray, place: int, field: bytes, *, checksum: bool = True) -> bytearray:
-    """A shard with another field in its first header, by default with the checksum that fits."""
-    shard[place : place + len(field)] = field
-    if checksum:
-        shard[148:156] = b" " * 8
-        shard[148:156] = b"%06o\0 " % sum(shard[:512])
-    return shard
-
-
-SHARD_DAMAGE: dict[str, Damage] = {
-    "the end cut": lambda shard: shard[: end_of_data(shard)],
-    "the last byte of data cut": lambda shard: shard[: end_of_data(shard) - 1],
-    "garbage behind the end": lambda shard: shard + b"G" * 10_240,
-    "a new member": lambda shard: with_member(shard, "evil.urdf"),
-    "another name": lambda shard: with_header(shard, 3, b"99"),
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "the end cut": lambda content: content.rstrip(b"\0")[:-1],
+    "garbage behind the end": lambda content: content + b"G" * 10_240,
+    "another byte": lambda content: content.replace(b"0.4", b"0.5", 1),
     "nothing left": lambda _: b"",
-}
-FILE_DAMAGE: dict[str, Damage] = {
-    "the end cut": lambda text: text[:-1],
-    "another byte": lambda text: text.replace(b"0.4", b"0.5", 1),
 }
 
 
@@ -97,11 +57,10 @@ def test_damaged_files_are_written_anew(folder: Path, cli: Callable[..., Answer]
     words = ("run", "run.yaml", "--quiet")
     cli(*words)
     whole = tree(folder / "out")
-    name = {"files": "r1_5.urdf", "folders": "00001/r1_5.urdf", "shards": "000001.tar"}[layout]
-    path = folder / "out" / name
+    path = folder / "out" / {"files": "r1_5.urdf", "shards": "000001.tar"}[layout]
     sound = path.read_bytes()
-    for what, damage in (SHARD_DAMAGE if layout == "shards" else FILE_DAMAGE).items():
-        path.write_bytes(damage(bytearray(sound)))
+    for what, damage in DAMAGE.items():
+        path.write_bytes(damage(sound))
         assert path.read_bytes() != sound
         cli(*words, "--resume")
         assert tree(folder / "out") == whole, what
@@ -189,21 +148,17 @@ def test_changed_code_of_a_plugin_makes_its_files_anew(
     assert {file.read_text() for file in (folder / "out").glob("*.txt")} == {"2"}
 
 
-@pytest.mark.parametrize("layout", ["shards"])
-def test_a_damaged_picture_is_taken_anew(
-    folder: Path, dh2urdf: Callable[..., CompletedProcess[str]], layout: str
-) -> None:
+def test_a_damaged_picture_is_taken_anew(folder: Path, dh2urdf: Callable[..., CompletedProcess[str]]) -> None:
     """The manifest has the hashes of the pictures that simulators took."""
     _, path = install(folder, "a package", editable=True)
-    (folder / "run.yaml").write_text(run(layout) + "emitters: [urdf, ruler]\nloaders: camera\n")
+    (folder / "run.yaml").write_text(run("shards") + "emitters: [urdf, ruler]\nloaders: camera\n")
     words = ("run", "run.yaml")
     dh2urdf(*words, path=path)
     whole = tree(folder / "out")
     rows: list[dict[str, Any]] = [json.loads(line) for line in (folder / "out/manifest.jsonl").open("rb")]
     digest = hashlib.sha256(b"a picture of r1_5").hexdigest()
     assert [row["pictures"] for row in rows if row["name"] == "r1_5"] == [{"r1_5.png": digest}]
-    name = {"files": "r1_5.png", "folders": "00001/r1_5.png", "shards": "000001.tar"}[layout]
-    file = folder / "out" / name
+    file = folder / "out" / "000001.tar"
     file.write_bytes(file.read_bytes().replace(b"a picture of r1_5", b"a blemish of r1_5"))
     assert "1 made, 9 unchanged" in dh2urdf(*words, "--resume", path=path).stdout
     assert tree(folder / "out") == whole

@@ -31,14 +31,6 @@ def _parquet() -> bytes:
     return content.getvalue()
 
 
-def _drawn(kind: str) -> bytes:
-    figure = pytest.importorskip("matplotlib.figure").Figure()
-    figure.subplots().plot([0, 1])
-    content = io.BytesIO()
-    figure.savefig(content, format=kind)
-    return content.getvalue()
-
-
 def _archive() -> bytes:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
@@ -50,8 +42,8 @@ KINDS = {
     "an Excel workbook": _workbook,
     "another zip archive": _archive,
     "a Parquet file": _parquet,
-    "a PDF document": lambda: _drawn("pdf"),
-    "a picture": lambda: _drawn("png"),
+    "a PDF document": lambda: b"%PDF-1.4\n%\xac\xdc \xab\xba\n1 0 obj\n<< /Type /Catalog >>\nendobj\n",
+    "a picture": lambda: b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00\x00\x00\x01\x00\x00\x00\x01\x08\x06\x00\x00\x00",
     "a gzip archive": lambda: gzip.compress(b"a,alpha,d\n0,0,1\n"),
     "a pointer of Git LFS": lambda: b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12\n",
     "a page of the web": lambda: b"\n<!DOCTYPE html>\n<html><head><title>arm.csv at main</title></head></html>\n",

@@ -87,10 +87,9 @@ class TestOfAThirdParty:
         assert called("measure", "arm") == ("arm is measured\n", "")
         assert called("measure", "small", status=1)[0] == "small is measured\n"
         assert called("measure", "--help")[0].startswith("Usage: dh2urdf measure ")
-
-    def test_a_command_of_dh2urdf_keeps_its_name(self) -> None:
-        """`convert` is dh2urdf's."""
-        assert "-o, --out" in called("convert", "--help")[0]
+        assert "-o, --out" in called("convert", "--help")[0], "a command of dh2urdf keeps its name"
+        for words in (("--without", "lab", "measure", "arm"), ("measure", "arm", "--without=lab")):
+            called(*words, status=2)
 
     def test_an_error_is_printed_as_any(self) -> None:
         """An error of `dh2urdf.errors` has its status and its sentence; another one is the plugin's fault."""
@@ -105,11 +104,6 @@ class TestOfAThirdParty:
     def test_a_function_that_is_none(self, name: str, reason: str) -> None:
         """The plugin is named, with what is wrong."""
         assert f"of lab 1.0 is broken: the command '{name}': {reason}" in called(name, status=3)[1]
-
-    def test_it_can_be_left_out(self) -> None:
-        """Before the command or after it."""
-        for words in (("--without", "lab", "measure", "arm"), ("measure", "arm", "--without=lab")):
-            assert "no command 'measure'; the commands are run" in called(*words, status=2)[1]
 
     def test_a_broken_plugin_is_named_where_a_command_is_missing(self, lab: Path) -> None:
         """It may have added it; the commands of dh2urdf and the help do not mind."""
@@ -143,10 +137,8 @@ class TestRecords:
         ("given", "reason"),
         [
             ("measure", "the hook dh2urdf_commands gave str 'measure', not a dh2urdf.stages.Subcommand"),
-            (subcommand(name="two words"), "has no name that could be asked for"),
             (subcommand(name="--measure"), "has no name that could be asked for"),
             (subcommand(function="lab"), "accepted: module:name"),
-            (Subcommand(name="measure", summary="a\nb", function="lab:measure"), "not a line of text"),
         ],
     )
     def test_what_is_no_command(self, given: Any, reason: str) -> None:

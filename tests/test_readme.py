@@ -51,17 +51,6 @@ def test_no_block_goes_untested() -> None:
     assert README.read_text("utf-8").count("```") == 2 * len(tags)
 
 
-# --- Setting up -------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("command", ["dh2urdf run configs/ur5.yaml", "pytest -n auto"])
-def test_a_machine_is_set_up_in_one_line(command: str) -> None:
-    """Each set-up block is one line that makes an environment, installs into it and does its job there."""
-    (line,) = block("sh", command).splitlines()
-    assert line.startswith("python3 -m venv .venv && .venv/bin/pip install ")
-    assert line.endswith(f"&& .venv/bin/{command}")
-
-
 # --- A table and its conversions --------------------------------------------------------------------------------------
 
 

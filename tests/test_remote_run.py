@@ -76,15 +76,3 @@ def test_the_manifest_finds_the_bytes_in_a_shard(
             assert member
             assert member.read() == content
         assert hashlib.sha256(content).hexdigest() == file["sha256"]
-
-
-@pytest.mark.long
-def test_a_bucket_that_is_not_there_is_one_line(
-    arms: Path, s3_server: str, dh2urdf: Callable[..., CompletedProcess[str]]
-) -> None:
-    """Exit status 2, and what the store says."""
-    assert s3_server
-    (arms / "far.yaml").write_text("inputs: arms.csv\noutput: {directory: s3://no-such-bucket/arms}\n")
-    failed = dh2urdf("run", "far.yaml", status=2)
-    assert "no-such-bucket" in failed.stderr
-    assert "Traceback" not in failed.stderr

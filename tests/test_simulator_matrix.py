@@ -45,9 +45,6 @@ OPTIONS = {
     "drake": {"poses": POSES},
     "gazebo": {"poses": POSES},
 }
-LOADED = {"pybullet": "urdf", "mujoco": "mjcf", "pinocchio": "urdf", "drake": "urdf", "gazebo": "sdf"}
-"""Which of the written files each loader takes."""
-
 NO_INERTIAL = "No inertial data for link, using mass=1, localinertiadiagonal = 1,1,1, identity local inertial frame"
 SAID = {
     "pybullet": (
@@ -239,13 +236,3 @@ def test_the_page_has_what_was_measured(
     found = TABLE.search(PAGE.read_text("utf-8"))
     assert found is not None
     assert found["table"] == generated, "run `pytest --renew tests/test_simulator_matrix.py`"
-
-
-def test_the_page_says_which_file_each_loads(matrix: Matrix) -> None:
-    """The preferred one of those that the run wrote."""
-    page, catalog = PAGE.read_text("utf-8"), load()
-    written = {file["stage"] for row in matrix.values() for file in row["files"]}
-    for name, form in LOADED.items():
-        formats = catalog.get("loader", name).formats
-        assert next(each for each in formats if each in written) == form
-    assert "the URDF in PyBullet, Pinocchio and Drake, the MJCF in MuJoCo, the SDF in sdformat" in page

@@ -46,12 +46,11 @@ def test_no_section_ends_a_run(seed: int, form: str) -> None:
 
 
 @pytest.mark.parametrize("bounds", [[6.2, 7.2], [6.3, 7.2]], ids=["some", "none"])
-@pytest.mark.parametrize("form", ["files"])
-def test_members_that_no_arm_can_be_fail_alone(tmp_path: Path, bounds: list[float], form: str) -> None:
+def test_members_that_no_arm_can_be_fail_alone(tmp_path: Path, bounds: list[float]) -> None:
     """A lower bound beyond the upper one, of a few variants or of all: each has a row that says so."""
     figures = Figures()
     vary = {"field": "lower", "joints": "all", "uniform": bounds}
-    try_sections([{"name": "v", "of": "ur5", "vary": [vary], "count": 40}], tmp_path, form, figures)
+    try_sections([{"name": "v", "of": "ur5", "vary": [vary], "count": 40}], tmp_path, "files", figures)
     assert figures.variants == 40
     assert figures.failed == {"manipulator": 40}
 

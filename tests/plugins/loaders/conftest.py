@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 from dh2urdf.conversion.loads import load_in_child
-from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.plugin_system import load as load_catalog
-from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Visual
 from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.formats import urdf
+from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.transforms import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from dh2urdf.robot import Robot
     from dh2urdf.stages import LoadReport
 
 CATALOG = load_catalog()
@@ -111,87 +111,7 @@ URDF = """<?xml version="1.0"?>
 """
 
 
-def body(mass: float, size: float, **more: Any) -> Inertial:
-    return Inertial(mass=mass, inertia=Inertia(ixx=size, iyy=size, izz=size), **more)
-
-
-def fixed(parent: str, child: str) -> Joint:
-    return Joint(name=f"{parent}-{child}", type=JointType.FIXED, parent=parent, child=child)
-
-
-ALONG_X = Origin(xyz=(0.2, 0.0, 0.0), rpy=(0.0, math.pi / 2, 0.0))
-ROBOT = Robot(
-    name="planar",
-    links=(
-        Link(name="base_link"),
-        Link(
-            name="base_link_inertia",
-            inertial=Inertial(mass=3.0, inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.02)),
-            visuals=(Visual(geometry=Cylinder(radius=0.06, length=0.04)),),
-        ),
-        Link(
-            name="upper_arm",
-            inertial=Inertial(
-                mass=2.0,
-                com=(0.2, 0.01, 0.0),
-                inertia=Inertia(ixx=0.004, ixy=0.0003, ixz=0.0001, iyy=0.03, iyz=-0.0002, izz=0.031),
-            ),
-            visuals=(Visual(geometry=Cylinder(radius=0.04, length=0.4), origin=ALONG_X),),
-            collisions=(Collision(geometry=Cylinder(radius=0.04, length=0.3), origin=ALONG_X),),
-        ),
-        Link(
-            name="forearm",
-            inertial=body(1.0, 0.01),
-            visuals=(Visual(geometry=Box(size=(0.4, 0.06, 0.06)), origin=Origin(xyz=(0.2, 0.0, 0.0))),),
-        ),
-        Link(
-            name="slider",
-            inertial=body(0.5, 0.002),
-            collisions=(Collision(geometry=Cylinder(radius=0.03, length=0.1)),),
-        ),
-        Link(name="hand", inertial=body(0.2, 0.001)),
-        Link(name="tool0", inertial=Inertial(mass=0.0)),
-    ),
-    joints=(
-        fixed("base_link", "base_link_inertia"),
-        Joint(
-            name="shoulder",
-            type=JointType.REVOLUTE,
-            parent="base_link_inertia",
-            child="upper_arm",
-            origin=Origin(xyz=(0.0, 0.0, HEIGHT)),
-            axis=(0.0, 1.0, 0.0),
-            limits=Limits(lower=-2.0, upper=2.5, effort=60.0, velocity=3.0),
-        ),
-        Joint(
-            name="elbow",
-            type=JointType.REVOLUTE,
-            parent="upper_arm",
-            child="forearm",
-            origin=Origin(xyz=(UPPER_ARM, 0.0, 0.0)),
-            axis=(0.0, 1.0, 0.0),
-            limits=Limits(lower=-2.0, upper=2.0, effort=30.0, velocity=3.0),
-        ),
-        Joint(
-            name="slide",
-            type=JointType.PRISMATIC,
-            parent="forearm",
-            child="slider",
-            origin=Origin(xyz=(FOREARM, 0.0, 0.0)),
-            axis=(1.0, 0.0, 0.0),
-            limits=Limits(lower=0.05, upper=0.2, effort=50.0, velocity=0.5),
-        ),
-        Joint(
-            name="wrist",
-            type=JointType.CONTINUOUS,
-            parent="slider",
-            child="hand",
-            axis=(1.0, 0.0, 0.0),
-            limits=Limits(effort=10.0, velocity=6.0),
-        ),
-        fixed("hand", "tool0"),
-    ),
-)
+ROBOT = parse_urdf(URDF.encode(), "planar.urdf")
 
 
 def tool_pose(q: tuple[float, ...]) -> tuple[float, ...]:

@@ -10,8 +10,9 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator, Payload
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.source import Mark
 from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
@@ -27,17 +28,37 @@ if TYPE_CHECKING:
     RobotOf = Callable[..., Robot]
 
 GRAVITY = 9.81
+MARK = Mark(file="arm.csv", line=3)
 
 
-def test_shapes_without_a_mass_that_a_double_holds_are_refused() -> None:
-    """The joint and its radius are named, and no stage is blamed."""
-    rows = tuple(DHRow(joint=name, link=f"{name}_link", a=0.3, alpha=0.0, d=0.0, radius=1e-200) for name in "ab")
-    arm = Manipulator(name="arm", convention=Convention.STANDARD, rows=rows)
-    with pytest.raises(TransformError, match="so small that their mass is 0") as caught:
-        alpha_swap(arm, AlphaSwapOptions())
+@pytest.mark.parametrize(
+    ("row", "more", "code", "field"),
+    [
+        ({"limits": Limits(lower=0.0)}, {}, "limit-alone", "limits.upper"),
+        ({"radius": -0.1}, {}, "not-above-0", "radius"),
+        ({"inertia": Inertia(ixx=0.0, iyy=0.35, izz=0.0)}, {}, "inertia-of-no-body", "inertia"),
+        ({"inertia": Inertia(ixx=1.0, iyy=1.0, izz=2.1)}, {}, "inertia-of-no-body", "inertia"),
+        ({}, {"geometry": LinkGeometry(shape="cilinder")}, "shape-unknown", "geometry.shape"),
+        ({}, {"base_geometry": LinkGeometry(radius=0.0)}, "not-above-0", "base.geometry.radius"),
+        ({}, {"base_mass": -1.0}, "not-above-0", "base.mass"),
+    ],
+)
+def test_a_table_that_makes_no_arm_is_refused(
+    row: dict[str, Any], more: dict[str, Any], *, code: str, field: str, table: Table, robot_of: RobotOf
+) -> None:
+    """The error names the field, and of a row the joint and its place."""
+    with pytest.raises(TransformError) as caught:
+        robot_of(table({"d": 0.1}, row | {"mark": MARK}, **more))
     (problem,) = caught.value.problems
-    assert (problem.joint, problem.field) == ("a", "radius")
-    assert problem.message.startswith("the shapes of the link are")
+    assert (problem.code, problem.field, problem.robot) == (code, field, "arm")
+    assert (problem.joint, problem.mark) == (("joint_2", MARK) if row else (None, None))
+
+
+def test_shapes_without_a_mass_that_a_double_holds_are_refused(table: Table, robot_of: RobotOf) -> None:
+    with pytest.raises(TransformError) as caught:
+        robot_of(table({"a": 0.3, "radius": 1e-200}))
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.joint, problem.field) == ("shapes-too-small", "joint_1", "radius")
 
 
 def body(robot: Robot, name: str) -> Inertial:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 import yaml
+from lxml import etree
 
 from dh2urdf_plugins.packages.ros2 import Ros2Options
 
@@ -105,6 +106,8 @@ def test_the_launch_file_shows_the_installed_description(package: Any) -> None:
     assert arguments["prefix"] == '""'
     nodes = {each.named["package"]: each.named for each in entities if each.name == "Node"}
     assert set(nodes) == {"robot_state_publisher", "joint_state_publisher_gui", "joint_state_publisher", "rviz2"}
+    needed = {each.text for each in etree.parse(folder / "package.xml").getroot().findall("exec_depend")}
+    assert {*nodes, "launch", "launch_ros", "xacro"} <= needed
     (parameters,) = nodes["robot_state_publisher"]["parameters"]
     value = parameters["robot_description"]
     assert (value.name, value.named) == ("ParameterValue", {"value_type": str})
@@ -117,29 +120,6 @@ def test_the_launch_file_shows_the_installed_description(package: Any) -> None:
     assert folder.joinpath(*parts).is_file()
     share, *parts = arguments["rviz_config"].given[0]
     assert folder.joinpath(*parts).is_file()
-
-
-def test_the_view_of_rviz_is_fixed_to_the_root(package: Any) -> None:
-    """Grid, robot and frames; the topic of the description is latched."""
-    folder, robot, _ = package("ur5.csv", "aligned")
-    content = yaml.safe_load((folder / "rviz" / "view_robot.rviz").read_text())["Visualization Manager"]
-    assert content["Global Options"]["Fixed Frame"] == robot.root == "base_link"
-    displays = {each["Class"]: each for each in content["Displays"]}
-    assert set(displays) == {f"rviz_default_plugins/{name}" for name in ("Grid", "RobotModel", "TF")}
-    topic = displays["rviz_default_plugins/RobotModel"]["Description Topic"]
-    assert (topic["Value"], topic["Durability Policy"]) == ("/robot_description", "Transient Local")
-
-
-@pytest.mark.usefixtures("recorder")
-def test_every_package_that_a_launch_file_uses_is_a_dependency(package: Any) -> None:
-    """rosdep installs what package.xml names."""
-    from lxml import etree
-
-    folder, _, _ = package("ur5.csv", "aligned")
-    needed = {each.text for each in etree.parse(folder / "package.xml").getroot().findall("exec_depend")}
-    entities = executed(folder / "launch" / "view_robot.launch.py")
-    assert {each.named["package"] for each in entities if each.name == "Node"} <= needed
-    assert {"launch", "launch_ros", "xacro"} <= needed
 
 
 @pytest.mark.usefixtures("recorder")
@@ -155,15 +135,17 @@ def test_launch_files_of_moveit_ask_its_builder_for_the_package(package: Any) ->
         assert made.given == (Made("configs", ("ur5",), {"package_name": "ur5_moveit_config"}),)
 
 
-def test_the_view_of_moveit_is_fixed_to_the_root(package: Any) -> None:
-    """Its panel for plans reads the topics that move_group has."""
+def test_the_views_of_rviz_are_fixed_to_the_root(package: Any) -> None:
+    """Grid, robot and frames, and the panel for plans; the topics are those of the nodes."""
     pytest.importorskip("pinocchio")
-    description, _, _ = package("ur5.csv", "aligned", Ros2Options(moveit=True, trials=10))
-    path = description.with_name("ur5_moveit_config") / "config" / "moveit.rviz"
-    content = yaml.safe_load(path.read_text())["Visualization Manager"]
-    assert content["Global Options"]["Fixed Frame"] == "base_link"
-    (planning,) = [each for each in content["Displays"] if each["Class"] == "moveit_rviz_plugin/MotionPlanning"]
-    assert (planning["Robot Description"], planning["Planning Scene Topic"]) == (
-        "robot_description",
-        "monitored_planning_scene",
-    )
+    folder, robot, _ = package("ur5.csv", "aligned", Ros2Options(moveit=True, trials=10))
+    displays = {}
+    for path in (folder / "rviz/view_robot.rviz", folder.with_name("ur5_moveit_config") / "config/moveit.rviz"):
+        content = yaml.safe_load(path.read_text())["Visualization Manager"]
+        assert content["Global Options"]["Fixed Frame"] == robot.root == "base_link"
+        displays |= {each["Class"].rpartition("/")[2]: each for each in content["Displays"]}
+    assert {"Grid", "RobotModel", "TF", "MotionPlanning"} <= set(displays)
+    topic = displays["RobotModel"]["Description Topic"]
+    assert (topic["Value"], topic["Durability Policy"]) == ("/robot_description", "Transient Local")
+    assert displays["MotionPlanning"]["Robot Description"] == "robot_description"
+    assert displays["MotionPlanning"]["Planning Scene Topic"] == "monitored_planning_scene"

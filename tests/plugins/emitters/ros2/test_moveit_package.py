@@ -88,13 +88,6 @@ def test_it_has_the_files_that_the_setup_assistant_writes(ur5: Path) -> None:
     }
 
 
-def test_the_builder_finds_the_description_and_the_srdf(ur5: Path) -> None:
-    """`.setup_assistant` names files that are there."""
-    found = yaml.safe_load((ur5 / ".setup_assistant").read_text())["moveit_setup_assistant_config"]
-    assert (ur5.parent / found["urdf"]["package"] / found["urdf"]["relative_path"]).is_file()
-    assert (ur5 / found["srdf"]["relative_path"]).is_file()
-
-
 @pytest.mark.parametrize("table", ["ur5.csv", "panda.yaml", "scara.csv"])
 def test_all_files_have_the_joints_of_the_description(package: Any, table: str) -> None:
     """In the same order, with reals that are floats; initial positions and named states are within the limits."""

@@ -73,14 +73,12 @@ def test_latex(arm: Manipulator) -> None:
     assert {row.count(" & ") for row in rows} == {8}
     assert r"$0.5$ & $\pi/2$ & $-0.25$ & $-\theta_{1} + 0.125 - \pi/4$ & $-3\pi/4$ & $2$ \\" in rows[2]
     assert r"$-d_{2} + 0.4 + 0.2$ & $0.7$" in rows[3]
+    assert (
+        r"$-1.5 \times 10^{-7}$"
+        in latex_file([replace(arm, rows=(replace(arm.rows[1], alpha=-1.5e-7),))], RADIANS).decode()
+    )
     assert any(line.startswith(r"  Base: \texttt{\{xyz: [0.1, -0.2, 0.3]") for line in lines)
     assert [line.strip() for line in lines if "rule" in line] == [r"\toprule", r"\midrule", r"\bottomrule"]
-
-
-def test_small_numbers_in_latex(arm: Manipulator) -> None:
-    """A power of ten is a power of ten."""
-    text = latex_file([replace(arm, rows=(replace(arm.rows[1], alpha=-1.5e-7),))], RADIANS).decode()
-    assert r"$-1.5 \times 10^{-7}$" in text
 
 
 def test_special_characters_are_escaped() -> None:

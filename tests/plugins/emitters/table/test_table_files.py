@@ -186,13 +186,6 @@ class TestCells:
         with pytest.raises(EmitterError):
             written(arm, replace(twin, tool=arm.base), formats=("csv",))
 
-    def test_in_a_run(self, cli: Callable[..., Answer], tmp_path: Path) -> None:
-        """The cells of a run file become files of tables."""
-        config = TABLES.parent / "pair.yaml"
-        cli("run", config, "-o", tmp_path, "--set", "emitters=[table]", "--set", "loaders=[]")
-        made = [path for path in tmp_path.glob("*.yaml") if list(api.read_all(path))]
-        assert made
-
 
 def test_several_formats(arm: Manipulator) -> None:
     """A file each, the first being the main one; a suffix that a person chose comes first."""

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -23,11 +22,10 @@ from dh2urdf.robot import (
     Sphere,
     Visual,
 )
-from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 GREY = Material(name="grey", rgba=(0.5, 0.5, 0.5, 1.0))
 ORANGE = Material(name="orange", rgba=(1.0, 0.5, 0.0, 1.0))
@@ -133,47 +131,10 @@ def arm() -> Robot:
 
 
 @pytest.fixture(scope="session")
-def published() -> dict[str, dict[str, Any]]:
-    """The published tables with the poses that their publishers computed, by their names."""
-    facts = json.loads((Path(__file__).parents[2] / "reference" / "robots.json").read_text(encoding="utf-8"))
-    return {arm["id"]: arm for arm in facts["robots"]}
-
-
-@pytest.fixture(scope="session")
-def table(published: dict[str, dict[str, Any]]) -> Callable[..., Manipulator]:
+def table(reference_robots: Sequence[Any]) -> Callable[[str], Manipulator]:
     """The manipulator of a published table, with shapes of one thickness whatever is edited in it."""
-
-    def manipulator(name: str, **fields: Any) -> Manipulator:
-        facts = published[name]
-        rows = tuple(
-            DHRow(
-                joint=f"joint_{i}",
-                link=f"link_{i}",
-                type=JointType(row["type"]),
-                sign=-1 if row["flip"] else 1,
-                limits=Limits(lower=row["qlim"][0], upper=row["qlim"][1]) if row.get("qlim") else Limits(),
-                **{key: row[key] or 0.0 for key in ("a", "alpha", "d", "theta", "offset")},
-            )
-            for i, row in enumerate(facts["rows"], start=1)
-        )
-        frames = {end: rigid(facts[end]) for end in ("base", "tool") if facts[end]}
-        return Manipulator(
-            name=name,
-            convention=Convention(facts["convention"]),
-            rows=rows,
-            geometry=LinkGeometry(radius=0.01),
-            **frames,
-            **fields,
-        )
-
-    return manipulator
-
-
-def rigid(matrix: list[list[float]]) -> RigidTransform:
-    return RigidTransform(
-        rotation=tuple(element for row in matrix[:3] for element in row[:3]),
-        translation=tuple(row[3] for row in matrix[:3]),
-    )
+    tables = {robot.id: robot.manipulator for robot in reference_robots}
+    return lambda name: replace(tables[name], geometry=LinkGeometry(radius=0.01))
 
 
 @pytest.fixture(scope="session")

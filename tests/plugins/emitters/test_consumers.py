@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import shutil
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
 
     Table = Callable[..., Manipulator]
 
-REFERENCE = Path(__file__).parents[2] / "reference" / "robots.json"
-ARMS = [arm["id"] for arm in json.loads(REFERENCE.read_text(encoding="utf-8"))["robots"]]
 READ_BY_ALL = ["urdoc_ur5", "rtb_Panda", "rtb_Stanford", "kinova_gen3_std", "rkc_Brooks_PreciseFlex_400_750"]
 frames = pytest.mark.parametrize("frames", ["aligned", "dh"])
 
@@ -59,24 +56,20 @@ def joint_vectors(manipulator: Manipulator, count: int = 3) -> list[list[float]]
 
 
 @frames
-@pytest.mark.parametrize("name", ARMS)
-def test_published_arms_reach_their_published_poses(
-    published: dict[str, Any], table: Table, tmp_path: Path, name: str, frames: str
-) -> None:
+def test_published_arms_reach_their_published_poses(reference_robot: Any, tmp_path: Path, frames: str) -> None:
     """The files, read back, put tool0 where the publishers of the tables computed it."""
     for emitter in (URDF, XACRO):
-        path = write(emitter, robot_of(table(name), frames), tmp_path)
+        path = write(emitter, robot_of(reference_robot.manipulator, frames), tmp_path)
         reads = emitter.can(ReadsBack)
         chain = KinematicChain.between(reads.read_back(path))
-        for q, pose in zip(published[name]["q"], published[name]["T_ee"], strict=True):
+        for q, pose in zip(reference_robot.q, reference_robot.poses, strict=True):
             assert np.abs(as_matrices(chain.forward_kinematics(q)) - pose).max() < 1e-9
 
 
 @frames
-@pytest.mark.parametrize("name", ARMS)
-def test_the_expanded_xacro_equals_the_urdf(table: Table, tmp_path: Path, name: str, frames: str) -> None:
+def test_the_expanded_xacro_equals_the_urdf(reference_robot: Any, tmp_path: Path, frames: str) -> None:
     """Same tags, attributes and order, and numbers within 1e-15·max(1, |x|)."""
-    robot = robot_of(table(name), frames)
+    robot = robot_of(reference_robot.manipulator, frames)
     assert_same_description(expand(write(XACRO, robot, tmp_path)), write(URDF, robot, tmp_path).read_bytes())
 
 
@@ -105,10 +98,9 @@ def test_both_files_of_any_table_are_its_arm(frames: str, manipulator: Manipulat
 
 
 @frames
-@pytest.mark.parametrize("name", ARMS)
-def test_quarter_turns_leave_no_noise(table: Table, tmp_path: Path, name: str, frames: str) -> None:
+def test_quarter_turns_leave_no_noise(reference_robot: Any, tmp_path: Path, frames: str) -> None:
     """No -0, and no 6.1e-17 where 0 is meant, in any written file of arms whose angles are quarter turns."""
-    manipulator = table(name)
+    manipulator = reference_robot.manipulator
     angles = [angle for row in manipulator.rows for angle in (row.alpha, row.theta, row.offset)]
     for emitter in (URDF, XACRO):
         write(emitter, robot_of(manipulator, frames), tmp_path)
@@ -120,7 +112,9 @@ def test_quarter_turns_leave_no_noise(table: Table, tmp_path: Path, name: str, f
         if re.fullmatch(r"-?[0-9.]+(e-?[0-9]+)?", word)
     ]
     assert "-0" not in numbers
-    if all(math.remainder(angle, math.pi / 2) == 0 for angle in angles) and name != "rtb_Panda":  # whose tool is at 45°
+    if (
+        all(math.remainder(angle, math.pi / 2) == 0 for angle in angles) and reference_robot.id != "rtb_Panda"
+    ):  # whose tool is at 45°
         assert [number for number in numbers if 0 < abs(float(number)) < 1e-12] == []
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from dataclasses import replace
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
@@ -204,24 +202,6 @@ def test_the_longest_chain_is_read(long_chain: Callable[[int], Robot]) -> None:
         text_of(long_chain(DEEPEST - 1))
     (problem,) = caught.value.problems
     assert (problem.code, problem.joint) == ("mujoco-chain-too-long", f"joint_{DEEPEST - 1}")
-
-
-def test_the_loader_takes_it(cli: Callable[..., Any], tmp_path: Path) -> None:
-    """Where a run writes MJCF, the loader loads that: with its servos, its motors, or neither, the arm is right."""
-    for kind in ("position", "motor", "none"):
-        emitters = f"emitters=[urdf, {{stage: mjcf, options: {{actuators: {kind}}}}}]"
-        loaders = "loaders=[{stage: mujoco, options: {picture: false, poses: 3}}]"
-        out = tmp_path / kind
-        cli("run", CONFIGS / "ur5.yaml", "-o", out, "--set", emitters, "--set", loaders)
-        (entry,) = json.loads((out / "report.json").read_text("utf-8"))["manipulators"]
-        report = entry["loaders"]["mujoco"]
-        assert (report["hold"]["stayed"], report["findings"], report["output"]) == (True, [], "")
-        assert report["position_error"] < 1e-14
-        assert math.isclose(
-            report["mass"],
-            sum(float(mass.get("value")) for mass in etree.parse(out / "ur5.urdf").iter("mass")),
-            rel_tol=1e-14,
-        )
 
 
 # --- The servos: steps of all joints at once, from home, with contacts and within the efforts

@@ -19,7 +19,6 @@ import pytest
 
 import dh2urdf_plugins.formats.urdf
 from dh2urdf.errors import EmitterError
-from dh2urdf.kinematics import KinematicChain
 from dh2urdf.stages import GivesNotices, LoadRequest, ReadsBack
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF, ProfileName
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, Profile
@@ -79,22 +78,6 @@ def test_every_profile_has_a_name() -> None:
     assert PROFILES["portable"] == Profile()
     assert (URDF.options().profile, XACRO.options().profile) == ("portable", "portable")
     assert len(set(map(repr, PROFILES.values()))) == len(PROFILES)
-
-
-def test_every_decision_is_some_profiles() -> None:
-    """None is there for nobody."""
-    for decision in fields(Profile):
-        assert any(getattr(profile, decision.name) != decision.default for profile in PROFILES.values())
-
-
-@profiles
-def test_the_arm_is_the_same(ur5: Robot, write: Write, profile: str) -> None:
-    """Whatever it decides, T(base_link → tool0) is that of the robot, and so is the mass."""
-    reads = URDF.can(ReadsBack)
-    found = reads.read_back(write(ur5, profile))
-    q = [0.3, -0.4, 0.5, -0.6, 0.7, -0.8]
-    assert KinematicChain.between(found).forward_kinematics(q) == KinematicChain.between(ur5).forward_kinematics(q)
-    assert found.mass == ur5.mass
 
 
 @profiles

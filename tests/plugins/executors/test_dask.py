@@ -123,22 +123,6 @@ def cluster(two_machines: Cluster, soon: Callable[..., bool]) -> Cluster:
 
 
 class TestACluster:
-    @pytest.mark.long
-    def test_results_come_in_the_order_of_the_tasks(self, functions: ModuleType, cluster: Cluster) -> None:
-        """Every task has its result, in order, and tasks are taken as they are needed."""
-        taken = 0
-
-        def tasks() -> Iterator[int]:
-            nonlocal taken
-            while True:
-                yield taken
-                taken += 1
-
-        results = map_on_dask(functions.double, tasks(), cluster.options)
-        assert list(islice(results, 50)) == [2 * number for number in range(50)]
-        assert taken < 100
-        results.close()  # type: ignore[attr-defined]
-
     def test_errors_travel(self, functions: ModuleType, cluster: Cluster) -> None:
         """An error of a worker is raised as it is, after the results before it."""
         with pytest.raises(ConfigError, match=r"run\.yaml:3:7: error: wrong"):
@@ -305,16 +289,6 @@ class TestAClusterOfItsOwn:
         assert os.getpid() not in workers
         results.close()  # type: ignore[attr-defined]
         assert soon(lambda: not any(map(is_running, workers)))
-        assert capfd.readouterr() == ("", "")
-
-    @pytest.mark.long
-    def test_survives_its_tasks(self, functions: ModuleType, capfd: pytest.CaptureFixture[str]) -> None:
-        """A task that kills workers is lost; another one that prints is not heard."""
-        tasks = [1, 2, "segmentation fault", 3, 4]
-        *_, lost, three, four = map_on_dask(functions.double_or_die, tasks, DaskOptions(workers=1))
-        assert isinstance(lost, Lost)
-        assert (three, four) == (6, 8)
-        assert list(map_on_dask(functions.print_much, ["loose screw"], DaskOptions(workers=1))) == [11]
         assert capfd.readouterr() == ("", "")
 
     @pytest.mark.long

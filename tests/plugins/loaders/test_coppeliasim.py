@@ -20,7 +20,7 @@ from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
 LOADER = next(each for each in LOADERS if each.name == "coppeliasim")
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from dh2urdf.stages import LoadReport, LoadRequest
 
@@ -75,12 +75,6 @@ def refusal(peer: Any, request: LoadRequest) -> LoaderError:
     with pytest.raises(LoaderError) as caught:
         run(peer, request)
     return caught.value
-
-
-def test_its_version_is_told(peer: Any, request_for: Any) -> None:
-    """As CoppeliaSim numbers itself; without an engine that is asked for there is no hold test."""
-    report = run(peer, request_for())
-    assert (report.version, report.hold) == ("4.10.0.0", {})
 
 
 def test_links_without_mass_weigh_a_kilogram(peer: Any, request_for: Any) -> None:
@@ -204,12 +198,6 @@ def test_workers_take_turns(peer: Any, request_for: Any) -> None:
     assert importing == ["simURDF.importFile", "sim.removeObjects"] * 3
 
 
-def test_old_importer_is_refused(peers: Any, request_for: Any) -> None:
-    """A version whose importer tells no handles is not served."""
-    with peers(old=True) as old:
-        assert "too old" in str(refusal(old, request_for()))
-
-
 @pytest.mark.parametrize("beginning", ["", "\n", "\ufeff"])
 def test_text_begins_with_a_declaration(
     peers: Any, request_for: Any, planar: Any, planar_urdf: str, beginning: str
@@ -222,44 +210,28 @@ def test_text_begins_with_a_declaration(
         assert run(server, request_for(text)).poses == len(planar.poses)
 
 
-def test_the_scene_stays_clean_of_an_arm_that_is_refused(peer: Any, request_for: Any, planar_urdf: str) -> None:
-    """Nothing of another arm is left."""
-    before = dict(peer.scene.things)
-    message = str(refusal(peer, request_for(planar_urdf.replace('xyz="0.4 0 0"', 'xyz="0.401 0 0"', 1))))
-    assert "tool0 in another place, 0.001 m" in message
-    assert peer.scene.things == before
+SILENT = "does not answer any more"
+REFUSED: dict[str, tuple[dict[str, Any], Callable[[str], str], str]] = {
+    "an importer that tells no handles": ({"old": True}, str, "too old"),
+    "a simulation that runs": ({"running": True}, str, "stop it"),
+    "a crash while it imports": ({"dies_at": "simURDF.importFile"}, str, SILENT),
+    "a crash while it measures": ({"dies_at": "sim.getObjectMatrix"}, str, SILENT),
+    "a joint to a link that is not there": ({}, lambda text: text.replace('link="tool0"', 'link="tool1"', 1), SILENT),
+    "another arm": ({}, lambda text: text.replace('"0.4 0 0"', '"0.401 0 0"', 1), "tool0 in another place, 0.001 m"),
+    "no robot": ({}, lambda _: '<?xml version="1.0"?><sdf/>', "imported nothing; its console says more"),
+    "no XML": ({}, lambda text: text[:400], "the file is not XML"),
+}
 
 
 @pytest.mark.usefixtures("impatient")
-def test_file_that_ends_the_program_is_an_error(peer: Any, request_for: Any, planar_urdf: str) -> None:
-    """A joint to a link that is not there ends CoppeliaSim: the loader does not wait for it."""
-    text = planar_urdf.replace('link="tool0"', 'link="tool1"', 1)
-    assert "does not answer any more" in str(refusal(peer, request_for(text)))
-
-
-def test_nothing_imported_is_an_error(peer: Any, request_for: Any) -> None:
-    """CoppeliaSim says only on its console that it finds no robot: an empty import is an error that says so."""
-    assert "imported nothing; its console says more" in str(refusal(peer, request_for('<?xml version="1.0"?><sdf/>')))
-
-
-def test_text_that_is_not_xml_is_refused(peer: Any, request_for: Any, planar_urdf: str) -> None:
-    """Before CoppeliaSim is given it."""
-    assert "the file is not XML" in str(refusal(peer, request_for(planar_urdf[:400])))
-
-
-def test_running_simulation_is_left_alone(peers: Any, request_for: Any) -> None:
-    """Where a simulation runs, nothing is imported into it."""
-    with peers(running=True) as busy:
-        assert "stop it" in str(refusal(busy, request_for()))
-        assert "simURDF.importFile" not in busy.calls
-
-
-@pytest.mark.usefixtures("impatient")
-@pytest.mark.parametrize("function", ["simURDF.importFile", "sim.getObjectMatrix"])
-def test_crash_is_reported(peers: Any, request_for: Any, function: str) -> None:
-    """A CoppeliaSim that falls silent in the middle fails this manipulator, and is not waited for."""
-    with peers(dies_at=function) as dying:
-        assert "does not answer any more" in str(refusal(dying, request_for()))
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_it_cannot_load_is_refused(peers: Any, request_for: Any, planar_urdf: str, case: str) -> None:
+    """A program that is too old, busy or silent, which is not waited for, and files that are no arm; the scene stays clean."""
+    program, change, says = REFUSED[case]
+    with peers(**program) as server:
+        before = dict(server.scene.things)
+        assert says in str(refusal(server, request_for(change(planar_urdf))))
+        assert says == SILENT or server.scene.things == before
 
 
 def test_program_that_others_use_is_not_waited_for_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -282,12 +254,6 @@ def test_silence_says_how_to_start_one(request_for: Any, *, listens: bool) -> No
             server.close()
         with pytest.raises(MissingProgramError, match=rf"127\.0\.0\.1:{port}: start one .*coppeliaSim\.sh -H"):
             LOADER.open(request_for(), CoppeliaSimOptions(host="127.0.0.1", port=port))
-
-
-def test_options_are_checked() -> None:
-    """There is a port that there can be."""
-    with pytest.raises(ValueError, match="from 1 to 65535"):
-        CoppeliaSimOptions(port=0)
 
 
 class TestHold:

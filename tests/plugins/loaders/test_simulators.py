@@ -177,13 +177,6 @@ def test_single_precision_is_allowed_for(run: Run, request_for: Any, planar: Any
     assert "No inertial data" in report.output
 
 
-def test_rewritten_file_is_read_again(run: Run, request_for: Any, planar: Any) -> None:
-    """PyBullet caches files by path: a file rewritten in between is really loaded again, in the same process too."""
-    run("pybullet", request_for(), here=True)
-    with pytest.raises(LoaderError, match="tool0 in another place"):
-        run("pybullet", request_for(planar.urdf.replace('xyz="0.4 0 0"', 'xyz="0.5 0 0"')), here=True)
-
-
 def test_crash_is_reported(run: Run, request_for: Any, planar: Any) -> None:
     """A duplicate joint name, on which PyBullet crashes, fails this manipulator with a sentence."""
     with pytest.raises(CrashError, match=r"the loader 'pybullet' crashed \(segmentation fault\)"):

@@ -56,13 +56,6 @@ def test_it_goes_where_it_is_told(cli: Callable[..., Answer], tmp_path: Path) ->
     assert (tmp_path / "inner" / "lab" / "pyproject.toml").is_file()
 
 
-def test_what_comes_next_can_be_typed(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """A folder with a space in its name is quoted, as a shell takes it."""
-    (tmp_path / "our plugins").mkdir()
-    said = cli("new-plugin", "lab", "--kind", "reader", "--dir", "our plugins").stdout
-    assert "    cd 'our plugins/lab'\n" in said
-
-
 NAMES = ("My_Lab", "7lab", "lab--7", "", "łab", "../lab", "a" * (LONGEST + 1), "class", "json", "numpy")
 
 

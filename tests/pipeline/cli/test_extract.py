@@ -64,14 +64,6 @@ class TestPrinted:
         assert modified.splitlines()[5].split() == ["w1", "revolute", "-0.39225", "0", "0.10915", "0"]
         assert "lift, elbow, w1" in facts
 
-    def test_one_convention_in_other_units(self, cli: Cli, ur5: Path) -> None:
-        answer = cli(
-            *("extract", str(ur5), "--convention", "standard", "--length-unit", "mm", "--angle-unit", "deg", "-q")
-        )
-        assert answer.stdout.splitlines()[2].split() == ["pan", "revolute", "0", "90", "89.159", "0"]
-        assert "modified" not in answer.stdout
-        assert not answer.stderr
-
     def test_tips(self, cli: Cli, tmp_path: Path) -> None:
         path = tmp_path / "tree.urdf"
         path.write_text(TREE)

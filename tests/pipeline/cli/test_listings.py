@@ -65,12 +65,3 @@ def test_it_validates_every_run_file_of_the_project(cli: Callable[..., Answer]) 
         config = yaml.safe_load(path.read_text("utf-8"))
         assert [error.message for error in validator.iter_errors(config)] == []
         assert list(validator.iter_errors({**config, "emiters": ["urdf"]}))
-
-
-def test_the_one_of_tables_validates_every_table_of_the_project(cli: Callable[..., Answer]) -> None:
-    """What an editor gets accepts every YAML table in configs/, and finds a slip in it."""
-    validator = Draft202012Validator(schema(cli, "table"))
-    for path in (CONFIGS / "tables").glob("*.yaml"):
-        table = yaml.safe_load(path.read_text("utf-8"))
-        assert [error.message for error in validator.iter_errors(table)] == []
-        assert list(validator.iter_errors({**table, "convetion": "standard"}))

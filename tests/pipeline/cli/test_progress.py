@@ -60,10 +60,6 @@ def said(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
 
 
 class TestInALog:
-    def test_a_short_run_says_nothing(self, said: Callable[..., list[str]]) -> None:
-        """Of a run that takes less than the time between two lines there is nothing to tell."""
-        assert said(batch(ok=3), batch(ok=5), total=8) == []
-
     def test_plain_lines(self, said: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch) -> None:
         """How many are made, of how many, how many failed, how fast, and how long it will take."""
         clock = iter([0.0, 2.0, 4.0])

@@ -72,11 +72,6 @@ def test_a_scalar_keeps_its_source_text() -> None:
     assert [entry.quoted for entry in node.value] == [False, False, False, True, True]
 
 
-def test_quoted_scalars_and_blocks_are_texts() -> None:
-    """Quotes and block scalars make a text of what would be a number."""
-    assert plain("a: '1'\nb: \"true\"\nc: |\n  2\nd: ''") == {"a": "1", "b": "true", "c": "2\n", "d": ""}
-
-
 def test_a_number_of_a_thousand_digits_is_infinite() -> None:
     """A whole number beyond every double does not cost time, and is no finite number."""
     assert plain("x: " + "9" * 10_000)["x"] == math.inf

@@ -10,7 +10,6 @@ from lxml import etree
 from dh2urdf.documents.xml_elements import ForbiddenXmlError, xml_root
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.meshes import load_scene
-from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
 if TYPE_CHECKING:
@@ -88,16 +87,6 @@ def test_every_description_is_refused_in_one_sentence(tmp_path: Path, reader: st
     with pytest.raises(Dh2UrdfError, match=said) as caught:
         read(path)
     assert str(caught.value).startswith(f"{path}: error: ")
-
-
-@pytest.mark.parametrize("kind", ["UTF-7", "Windows", "type in UTF-7"])
-def test_check_reads_no_odd_encoding(tmp_path: Path, kind: str) -> None:
-    """`check` of a URDF in another encoding has one finding, which names the encoding."""
-    text, encoding, _ = FORBIDDEN[kind]
-    path = tmp_path / "arm.urdf"
-    path.write_bytes(text.format("robot").encode(encoding))
-    (finding,) = inspect_urdf(path).findings
-    assert "it is encoded in '" in finding.message
 
 
 @pytest.mark.parametrize("entity", ['"0 0 0 1 0 0 0 1 0"', 'SYSTEM "file:///etc/hostname"'])

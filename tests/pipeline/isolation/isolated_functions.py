@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from dh2urdf.conversion.loads import KeptChildren, load_in_child
-from dh2urdf.errors import LoaderError, MissingDependencyError, ProofError
-from dh2urdf.isolation import enter, run_in_child
+from dh2urdf.errors import LoaderError, ProofError
+from dh2urdf.isolation import enter
 from dh2urdf.isolation.child_process import LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES
 from dh2urdf.source import Problem
@@ -73,17 +73,9 @@ def hang(pids: str) -> None:
     time.sleep(600)
 
 
-def hang_in_grandchild(pids: str) -> None:
-    run_in_child(hang, pids, timeout=600)
-
-
 def raise_value_error() -> NoReturn:
-    raise ValueError("not this value")
-
-
-def raise_missing_dependency() -> NoReturn:
     print("looking for it")
-    raise MissingDependencyError("loader 'x'", "x", "dh2urdf[x]")
+    raise ValueError("not this value")
 
 
 class UnpicklableError(Exception):

@@ -73,14 +73,6 @@ class TestOneLoad:
         assert "toy" in first.message
         assert finding.message == "toy: WARNING: a screw is loose"
 
-    @pytest.mark.long
-    def test_a_loader_that_hangs_is_over_its_time_limit(
-        self, functions: ModuleType, request_for: Callable[[str], LoadRequest]
-    ) -> None:
-        """The limit is the loader's own, and the error is of its own kind."""
-        with pytest.raises(TimeLimitError, match=r"^error: the loader 'toy' did not finish within 2 s"):
-            load_in_child(functions.LOADER, request_for("hang.urdf"), functions.Hasty())
-
 
 class TestKeptChild:
     def test_serves_many_loads(self, kept: Callable[..., LoadReport], is_running: Callable[[int], bool]) -> None:

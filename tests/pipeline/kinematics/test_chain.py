@@ -78,13 +78,6 @@ class TestPublishedRobots:
             found = homogeneous(forward_kinematics(reference_robot.manipulator, q))
             np.testing.assert_allclose(found, pose, rtol=0, atol=1e-12 * max(1, np.abs(pose).max()))
 
-    def test_vectorised_poses_are_the_single_ones(self, reference_robot: ReferenceRobot) -> None:
-        """All joint vectors at once give the poses that they give one by one."""
-        together = pose_matrices(reference_robot.manipulator, reference_robot.q)
-        assert together.shape == (len(reference_robot.q), 4, 4)
-        one_by_one = [homogeneous(forward_kinematics(reference_robot.manipulator, q)) for q in reference_robot.q]
-        np.testing.assert_allclose(together, one_by_one, rtol=0, atol=1e-13 * max(1, np.abs(together).max()))
-
 
 class TestRowTransform:
     @BOTH
@@ -132,16 +125,6 @@ class TestForwardKinematics:
         table, q = case
         travel = sum(abs(v) for v, r in zip(q, table.moving_rows, strict=True) if r.type is JointType.PRISMATIC)
         assert math.hypot(*forward_kinematics(table, q).translation) <= (reach(table) + travel) * (1 + 1e-12) + 1e-12
-
-    def test_the_reach_of_a_stretched_arm_is_its_length(self) -> None:
-        """The reach is the sum of base, a, d with a prismatic offset, and tool."""
-        table = arm(
-            row(a=0.5),
-            row(2, type=JointType.PRISMATIC, d=0.1, offset=0.2),
-            base=RigidTransform.from_xyz_rpy((3.0, 4.0, 0.0)),
-            tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 1.0)),
-        )
-        assert reach(table) == pytest.approx(5 + 0.5 + 0.3 + 1)
 
     def test_a_thousand_axes(self) -> None:
         """The depth of the arithmetic does not grow with the number of axes."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from any_tables import manipulators
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import ConfigError
@@ -82,38 +83,19 @@ def test_a_table_of_the_same_arm_is_corrected(reference_robot: ReferenceRobot, s
         np.testing.assert_allclose(np.c_[np.reshape(r, (3, 3)), t], np.array(pose)[:3], rtol=0, atol=1e-6)
 
 
-angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-3, 3)
-lengths = st.just(0.0) | st.floats(0.05, 1) | st.floats(-1, -0.05)
-
-
-@st.composite
-def tables(draw: st.DrawFn) -> Manipulator:
-    """Any table: parallel, coincident, intersecting and skew axes, joints that slide, rows that are fixed."""
-    rows = [
-        DHRow(
-            joint=f"joint_{i}",
-            link=f"link_{i}",
-            type=draw(st.sampled_from(JointType)),
-            a=draw(lengths),
-            alpha=draw(angles),
-            d=draw(lengths),
-            theta=draw(angles),
-        )
-        for i in range(1, draw(st.integers(1, 8)) + 1)
-    ]
-    return Manipulator(name="any", convention=draw(st.sampled_from(Convention)), rows=tuple(rows))
+TABLES = manipulators(8, st.just(0.0) | st.floats(0.05, 1) | st.floats(-1, -0.05))
 
 
 @pytest.mark.long
 @settings(max_examples=200)
-@given(tables(), st.integers(0, 1000))
+@given(TABLES, st.integers(0, 1000))
 def test_any_table_of_the_same_arm_is_corrected(manipulator: Manipulator, seed: int) -> None:
     """For every kind of arm there is a correction that makes the two one."""
     found = compare(robot_of(manipulator), shaken(manipulator, seed))
     assert found.holds or (found.remaining is not None and found.remaining.is_none), found
 
 
-@given(tables(), st.integers(0, 1000), st.data())
+@given(TABLES, st.integers(0, 1000), st.data())
 def test_another_arm_is_not_corrected_away(manipulator: Manipulator, seed: int, data: st.DataObject) -> None:
     """A link that is 0.1 m longer is told from all that base, tool, signs and offsets can do, or is of no matter."""
     moving = [index for index, row in enumerate(manipulator.rows) if row.type is not JointType.FIXED]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from any_tables import transforms
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.columns import RobotColumns, column, in_columns
@@ -20,7 +21,7 @@ from dh2urdf.kinematics.proof import TOGETHER, Proof, prove, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
-from dh2urdf.rotations import IDENTITY, RigidTransform, is_column
+from dh2urdf.rotations import RigidTransform, is_column
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 
@@ -156,9 +157,6 @@ def test_one_wrong_number_is_found(
 
 lengths = st.just(0.0) | st.floats(-2, 2)
 angles = st.sampled_from([k * math.pi / 2 for k in range(-4, 5)]) | st.floats(-2 * math.pi, 2 * math.pi)
-transforms = st.builds(
-    RigidTransform.from_xyz_rpy, st.tuples(lengths, lengths, lengths), st.tuples(angles, angles, angles)
-)
 
 
 @st.composite
@@ -168,8 +166,8 @@ def kinds_of_arms(draw: st.DrawFn) -> list[Manipulator]:
     signs = [draw(st.sampled_from([1, -1])) if kind is not JointType.FIXED else 1 for kind in kinds]
     limited = [draw(st.booleans()) and kind in (JointType.REVOLUTE, JointType.PRISMATIC) for kind in kinds]
     common = [(draw(lengths), draw(angles), draw(lengths), draw(angles)) for _ in kinds]
-    convention, base = draw(st.sampled_from(Convention)), draw(transforms | st.just(IDENTITY))
-    tool = draw(transforms | st.just(IDENTITY))
+    convention, base = draw(st.sampled_from(Convention)), draw(transforms(lengths))
+    tool = draw(transforms(lengths))
 
     def row(n: int) -> DHRow:
         a, alpha, d, theta = (

@@ -11,6 +11,8 @@ from dh2urdf.quantities import UNITS, Dimension, QuantityError, evaluate, find_u
 
 INCH, POUND, GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")
 """By definition, in m, kg and m/s²."""
+PER_TIME = (("m", "1"), ("cm", "0.01"), ("mm", "0.001"), ("µm", "1e-6"), ("in", INCH), ("ft", 12 * INCH))
+TIMES = (("s", 1), ("min", 60))
 EXACT = {
     Dimension.LENGTH: {
         "m": "1",
@@ -24,20 +26,9 @@ EXACT = {
         "mil": INCH / 1000,
     },
     Dimension.SPEED: {
-        "m/s": "1",
-        "mm/s": "0.001",
-        "m/min": "1/60",
-        "mm/min": "1/60000",
-        "in/s": INCH,
-        "in/min": INCH / 60,
-        "ft/s": 12 * INCH,
-        "ft/min": INCH / 5,
         "mm per second": "0.001",
         "mm·s⁻¹": "0.001",
-        "cm/s": "0.01",
-        "cm/min": "1/6000",
-        "µm/s": "1e-6",
-        "um/min": "1/60000000",
+        **{f"{word}/{time}": Fraction(length) / seconds for word, length in PER_TIME for time, seconds in TIMES},
     },
     Dimension.ANGLE: {"rad": "1", "radians": "1"},
     Dimension.TURN_RATE: {"rad/s": "1", "rad/min": "1/60"},

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -112,14 +111,6 @@ class TestDrawings:
             (figure,) = html.fromstring(shown).xpath(".//svg")
             assert figure.get("aria-label") == f"zero joint values, with joint axes and {frames}"
             assert shown == thing._repr_html_()
-
-    def test_it_is_read_on_any_ground(self) -> None:
-        """No colour is fixed but the three of the axes and the blue of the joints: all others follow the text."""
-        shown = chain(6)._repr_html_()
-        figure, style = shown[shown.index("<svg") :], shown[: shown.index("<svg")]
-        assert set(re.findall("#[0-9a-f]{6}", figure)) <= {"#d1495b", "#2f9e54", "#3b7dd8"}
-        assert set(re.findall(r"var\((--\w+)\)", figure)) <= set(re.findall(r"(--\w+):", style))
-        assert "--ink: currentColor" in style
 
     def test_two_on_a_page_do_not_meet(self) -> None:
         """The names of a drawing's parts are its own, and those of an equal drawing are of equal parts."""

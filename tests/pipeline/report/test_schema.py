@@ -5,12 +5,16 @@ import re
 from copy import deepcopy
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
 import pytest
 from jsonschema import Draft202012Validator
 
+from dh2urdf import results
 from dh2urdf.cli.listings import SCHEMAS
+from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.plugin_system import KINDS
+from dh2urdf.report.conversions import FILLED_IN
 from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.stages import LoadReport
 
@@ -89,3 +93,11 @@ def test_a_loaders_report_is_described_as_it_is() -> None:
     """The schema has every field of a loader's report, in its order."""
     described = list(manifest_schema()["$defs"]["load"]["properties"])
     assert described == ["verdict", "optional", "errors", *(field.name for field in fields(LoadReport))]
+
+
+def test_names_are_those_of_the_records() -> None:
+    """The words for conventions, joint types, kinds of stages, and what a conversion may fill in."""
+    assert get_args(results.ConventionName) == tuple(Convention)
+    assert get_args(results.JointTypeName) == tuple(JointType)
+    assert get_args(results.KindName) == KINDS
+    assert list(get_type_hints(results.FilledInEntry)) == [words.replace(" ", "_") for words in FILLED_IN]

@@ -347,20 +347,6 @@ def test_columns_are_the_tables_of_the_variants(rules: list[Any]) -> None:
         assert [row.mark for row in picked.rows] == [row.mark for row in table.rows]
 
 
-@pytest.mark.parametrize(
-    ("field", "law", "wanted"),
-    [
-        ("lower", Uniform(low=2.0, high=3.0), []),  # No variant is an arm: all fail alone, each for its own values.
-        ("type", Choices(values=("revolute", "prismatic")), None),  # They differ in more than numbers.
-    ],
-)
-def test_where_there_are_no_columns(field: str, law: Law, wanted: list[int] | None) -> None:
-    """Of variants that are no arms, and of such that differ in more than numbers."""
-    some = variation(rule(field, law), count=50)
-    found = variant_columns(some, some.variants().names, drawn(some))
-    assert (found and found[0]) == wanted
-
-
 # --- The run ----------------------------------------------------------------------------------------------------------
 
 TABLE = "# convention: standard\njoint,a,alpha,d,lower,upper\nshoulder,0,pi/2,0.1,-1,1\nelbow,0.4,0,0,-2,2\nwrist,0.3,-pi/2,0.05,-2,2\n"

@@ -6,13 +6,11 @@ process of its own.
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from child_python import python
 
 ROOT = Path(__file__).parents[1]
 OLD = "    armature: float | None = None\n"
@@ -135,12 +133,6 @@ def test_it_is_in(what: str, sources: Path, tmp_path: Path) -> None:
         "arm = dh2urdf.read(Path(sys.argv[1]) / 'arm.csv')\n"
         "assert [(row.gear_ratio, row.wear) for row in arm.rows] == [(100.0, 0.5), (50.0, 0.0)]\n"
     ) + "\n".join(line[8:] for line in CHECKS[what].splitlines())
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(sources / "pipeline"), str(sources / "plugins")])}
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(tmp_path), str(sources)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    path = (sources / "pipeline", sources / "plugins")
+    done = python("-c", program, tmp_path, sources, folder=tmp_path, path=path)
     assert done.returncode == 0, done.stderr[-3000:]

@@ -1,18 +1,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 import yaml
+from child_python import python
 
 ROOT = Path(__file__).parents[1]
-MODULES = os.pathsep.join(map(str, (ROOT / "docs" / "generators", ROOT / "tests" / "shared")))
+MODULES = (ROOT / "docs" / "generators", ROOT / "tests" / "shared")
 """The folders of modules that conftest.py imports."""
 
 UNKNOWN = ("-W", "ignore::pytest.PytestUnknownMarkWarning")
@@ -27,39 +25,16 @@ SKIPPING = {
 }
 
 
-def run_tests(tests: dict[str, str], folder: Path, *options: str, require_all: bool, path: Path | None = None) -> str:
-    """What pytest prints about tests, one per file, under the project's conftest.py; `path` has modules of its own."""
+def run_tests(tests: dict[str, str], folder: Path, *options: str, require_all: bool) -> str:
+    """What pytest prints about tests, one per file, under the project's conftest.py."""
     shutil.copy(Path(__file__).with_name("conftest.py"), folder)
     if not (folder / "kinds.yaml").exists():
         (folder / "kinds.yaml").write_text("arm: [.]\n")
     for name, test in tests.items():
         (folder / f"test_{name}.py").write_text(f"import pytest\n{test}\n")
-    return subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-ra",
-            "-p",
-            "no:cacheprovider",
-            *UNKNOWN,
-            *options,
-            "--rootdir",
-            folder,
-            folder,
-        ],
-        env={
-            **os.environ,
-            "DH2URDF_REQUIRE_ALL": "1" if require_all else "",
-            "PYTEST_ADDOPTS": "",
-            "PYTHONPATH": os.pathsep.join(map(str, filter(None, [path, MODULES, os.environ.get("PYTHONPATH")]))),
-            "COLUMNS": "200",
-        },
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    ).stdout
+    words = ("-m", "pytest", "-ra", "-p", "no:cacheprovider", *UNKNOWN, *options, "--rootdir", folder, folder)
+    all_of_it = {"DH2URDF_REQUIRE_ALL": "1" if require_all else "", "PYTEST_ADDOPTS": "", "COLUMNS": "200"}
+    return python(*words, folder=folder, path=MODULES, **all_of_it).stdout
 
 
 def test_a_skip_is_a_failure_where_everything_has_to_be_there(tmp_path: Path) -> None:
@@ -88,14 +63,8 @@ def test_ci_runs_the_long_tests_that_others_leave_out(tmp_path: Path) -> None:
     ci = re.search(r'PYTEST_ADDOPTS="([^"]*)" run_block 2', (ROOT / ".ci" / "run").read_text("utf-8"))
     assert ci is not None
     for more, ends in (("", "1 passed, 1 deselected in"), (ci[1], "2 passed in")):
-        printed = subprocess.run(
-            [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", str(tmp_path)],
-            env={**os.environ, "PYTEST_ADDOPTS": more},
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-        ).stdout
+        words = ("-m", "pytest", "-p", "no:cacheprovider", tmp_path)
+        printed = python(*words, folder=tmp_path, PYTEST_ADDOPTS=more).stdout
         assert ends in printed, printed
 
 

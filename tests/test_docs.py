@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING
 
 import click
 import pytest
-from child_pytest import ADDOPTS
+from child_python import ADDOPTS
 from lxml import etree
 
 from dh2urdf.cli import dh2urdf as program

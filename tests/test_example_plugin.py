@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -9,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from child_pytest import ADDOPTS
+from child_python import ADDOPTS, python
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,24 +72,8 @@ def test_both_stages_work_in_a_run(dh2urdf: Command, site: Path, table: Path) ->
 @pytest.mark.long
 def test_it_keeps_the_contracts(site: Path, tmp_path: Path) -> None:
     """Its own tests, three lines for each stage, hold it to all that the pipeline relies on."""
-    tested = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-p",
-            "no:cacheprovider",
-            "--rootdir",
-            str(tmp_path),
-            site.with_name("source"),
-        ],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(site), os.environ.get("PYTHONPATH", "")])}
-        | {"PYTEST_ADDOPTS": ADDOPTS},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ("-m", "pytest", "-p", "no:cacheprovider", "--rootdir", tmp_path, site.with_name("source"))
+    tested = python(*words, folder=tmp_path, path=(site,), PYTEST_ADDOPTS=ADDOPTS)
     assert tested.returncode == 0, tested.stdout
     assert "skipped" not in tested.stdout
 
@@ -106,16 +89,8 @@ def test_it_is_typed_and_a_function_that_takes_other_options_is_no_valid_type(
         "    name='right', summary='', emit=emit, options=DatasheetOptions, suffixes=())\n"
         "wrong: Emitter[NoOptions] = Emitter(name='wrong', summary='', emit=emit, options=NoOptions, suffixes=())\n"
     )
-    checked = subprocess.run(
-        [
-            *(sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir", str(types_cache)),
-            *("wrong.py", str(EXAMPLE / "src" / "dh2urdf_example_plugin")),
-        ],
-        cwd=tmp_path,
-        env={"MYPYPATH": str(EXAMPLE / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ("-m", "mypy", "--strict", "--config-file=", "--cache-dir", types_cache, "wrong.py")
+    package = EXAMPLE / "src" / "dh2urdf_example_plugin"
+    checked = python(*words, package, folder=tmp_path, MYPYPATH=str(EXAMPLE / "src"))
     assert checked.returncode == 1
     assert [line.split(": error:")[0] for line in checked.stdout.splitlines()[:-1] if "error" in line] == ["wrong.py:5"]

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pytest
-from child_pytest import ADDOPTS
+from child_python import ADDOPTS
 from lxml import etree
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
-from child_pytest import ADDOPTS
+from child_python import ADDOPTS, python
 
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST
@@ -99,13 +99,7 @@ def author(environment: Path, types_cache: Path, undrawn: str) -> Callable[[Path
 
 def leaves_ruff_nothing_to_say(folder: Path) -> None:
     for words in (("check",), ("format", "--check")):
-        checked = subprocess.run(
-            [sys.executable, "-m", "ruff", *words, "--no-cache", "."],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        checked = python("-m", "ruff", *words, "--no-cache", ".", folder=folder)
         assert checked.returncode == 0, checked.stdout
 
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -16,6 +16,11 @@ from dh2urdf.hookspecs import hookimpl
 from dh2urdf.isolation.attribution import Plugin
 from dh2urdf.plugin_system import Catalog
 from dh2urdf.stages import Subcommand
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Called = Callable[..., tuple[str, str]]
 
 ROOT = Path(__file__).parents[1]
 LAB = """
@@ -45,44 +50,33 @@ def measure(what):
 convert = measure
 number = 7
 """
-POINT = "lab = lab_plugin"
 
 
 @pytest.fixture
-def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder on the path with an installed plugin that adds commands."""
-    (tmp_path / "lab_plugin.py").write_text(f'NAMES = ["measure", "convert", "number", "absent"]\n{LAB}')
-    (tmp_path / "lab_commands.py").write_text(COMMANDS)
-    install(tmp_path, POINT)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", ""))))
-    return tmp_path
+def called(
+    tmp_path: Path, install: Callable[..., None], dh2urdf: Callable[..., subprocess.CompletedProcess[str]]
+) -> Called:
+    """What a command prints beside an installed plugin that adds some: on standard output, and on standard error."""
+    site = tmp_path / "site"
+    install(site, "lab", f'NAMES = ["measure", "convert", "number", "absent"]\n{LAB}')
+    (site / "lab_commands.py").write_text(COMMANDS)
+
+    def call(*words: str, status: int = 0) -> tuple[str, str]:
+        answer = dh2urdf(*words, path=[site], status=status)
+        return answer.stdout, answer.stderr
+
+    return call
 
 
-def install(folder: Path, *points: str) -> None:
-    info = folder / "lab-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lab\nVersion: 1.0\n\n")
-    (info / "entry_points.txt").write_text("[dh2urdf]\n" + "\n".join(points))
-
-
-def called(*words: str, status: int = 0) -> tuple[str, str]:
-    """What a command prints in a process of its own: on standard output, and on standard error."""
-    command = [sys.executable, "-c", "from dh2urdf.cli import main; main()", *words]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert answer.returncode == status, answer.stderr
-    return answer.stdout, answer.stderr
-
-
-@pytest.mark.usefixtures("lab")
 class TestOfAThirdParty:
-    def test_help_lists_it_behind_the_others(self) -> None:
+    def test_help_lists_it_behind_the_others(self, called: Called) -> None:
         """With its summary; nothing of the command itself is imported."""
         lines = called("--help")[0].splitlines()
         place = next(i for i, line in enumerate(lines) if line.startswith("  new-plugin"))
         assert lines[place + 1].split(maxsplit=1) == ["measure", "What a lab does."]
         assert sum("What a lab does." in line for line in lines) == 3, "that of the name `convert` is not seen"
 
-    def test_it_is_called(self) -> None:
+    def test_it_is_called(self, called: Called) -> None:
         """What its function returns is the exit status."""
         assert called("measure", "arm") == ("arm is measured\n", "")
         assert called("measure", "small", status=1)[0] == "small is measured\n"
@@ -91,27 +85,27 @@ class TestOfAThirdParty:
         for words in (("--without", "lab", "measure", "arm"), ("measure", "arm", "--without=lab")):
             called(*words, status=2)
 
-    def test_an_error_is_printed_as_any(self) -> None:
+    def test_an_error_is_printed_as_any(self, called: Called) -> None:
         """An error of `dh2urdf.errors` has its status and its sentence; another one is the plugin's fault."""
         assert called("measure", "error", status=2)[1] == "error: no arm\n"
         fault = called("measure", "fault", status=3)[1]
-        assert "plugin 'lab = lab_plugin' of lab 1.0 is broken: the command 'measure': LookupError: no ruler" in fault
+        assert "plugin 'lab = lab_lab' of lab 1.0 is broken: the command 'measure': LookupError: no ruler" in fault
 
     @pytest.mark.parametrize(
         ("name", "reason"),
         [("number", "TypeError: lab_commands:number is int, not a click.Command"), ("absent", "AttributeError: ")],
     )
-    def test_a_function_that_is_none(self, name: str, reason: str) -> None:
+    def test_a_function_that_is_none(self, called: Called, name: str, reason: str) -> None:
         """The plugin is named, with what is wrong."""
         assert f"of lab 1.0 is broken: the command '{name}': {reason}" in called(name, status=3)[1]
 
-    def test_a_broken_plugin_is_named_where_a_command_is_missing(self, lab: Path) -> None:
+    def test_a_broken_plugin_is_named_where_a_command_is_missing(self, called: Called, tmp_path: Path) -> None:
         """It may have added it; the commands of dh2urdf and the help do not mind."""
-        (lab / "lab_plugin.py").write_text("raise RuntimeError")
+        (tmp_path / "site" / "lab_lab.py").write_text("raise RuntimeError")
         assert called("--help")[1] == ""
         assert called("example", "ur5")[0]
         error = called("measure", "arm", status=2)[1]
-        assert "the plugin 'lab = lab_plugin' of lab 1.0 is broken, and may have added it" in error
+        assert "the plugin 'lab = lab_lab' of lab 1.0 is broken, and may have added it" in error
 
 
 def plugin(name: str, *given: Any, entry: str = "") -> Plugin:

@@ -6,15 +6,13 @@ Its pictures are drawn by docs/generators/pictures.py; `pytest --renew` writes t
 from __future__ import annotations
 
 import math
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from child_python import python
 from lxml import html
 
 import gallery
@@ -35,14 +33,8 @@ def build(folder: Path, root: Path = ROOT) -> tuple[int, list[str]]:
     """Build the site as `.ci/run` does: the exit status, and the warnings."""
     for module in ("material", "mkdocstrings_handlers"):
         pytest.importorskip(module, reason="the extra docs is not installed")
-    built = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", folder],
-        cwd=root,
-        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},  # a notice about the next version of mkdocs
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    words = ("-m", "mkdocs", "build", "--strict", "--site-dir", folder)
+    built = python(*words, folder=root, NO_MKDOCS_2_WARNING="1")  # a notice about the next version of mkdocs
     warnings = [line for line in built.stderr.splitlines() if not line.startswith("INFO")]
     return built.returncode, warnings
 

@@ -5,16 +5,14 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from child_python import python
 
 ROOT = Path(__file__).parents[1]
 TEMPLATES = ROOT / "pipeline/dh2urdf/scaffold/templates/minimal"
@@ -45,15 +43,8 @@ def test_it_works(what: str, tmp_path: Path) -> None:
         (sources / name).write_text(text_of(added), "utf-8")
     for name, text in change.get("files", {}).items():
         (tmp_path / name).write_text(text, "utf-8")
-    path = os.pathsep.join([str(sources / "pipeline"), str(sources / "plugins")])
-    done = subprocess.run(
-        [sys.executable, "-m", "dh2urdf", *change["command"].split()],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": path, "COLUMNS": "200"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    path = (sources / "pipeline", sources / "plugins")
+    done = python("-m", "dh2urdf", *change["command"].split(), folder=tmp_path, path=path, COLUMNS="200")
     out = tmp_path / "out"
     said = done.stdout + done.stderr + (out.read_text("utf-8") if out.is_file() else "")
     assert change["shows"] in said, said

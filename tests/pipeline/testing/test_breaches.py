@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from bad_contracts import BREACHES, GOOD
-from child_pytest import ADDOPTS
+from child_python import ADDOPTS
 from lxml import etree
 
 from dh2urdf.testing import EditContract, EmitterContract, ExecutorContract, LoaderContract, ReaderContract

@@ -26,6 +26,7 @@ import hypothesis
 import numpy as np
 import pytest
 import yaml
+from child_python import python
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
@@ -292,18 +293,8 @@ def dh2urdf(tmp_path: Path, undrawn: str) -> Callable[..., subprocess.CompletedP
     """
 
     def run(*words: str | Path, path: Sequence[Path] = (), status: int = 0) -> subprocess.CompletedProcess[str]:
-        inherited = os.environ.get("PYTHONPATH", "")
         begin = undrawn if "run" in words else ""
-        result = subprocess.run(
-            [sys.executable, "-c", f"{begin}from dh2urdf.cli import main; main()", *map(str, words)],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join([*map(str, path), *filter(None, [inherited])])},
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-            check=False,
-            timeout=300,
-        )
+        result = python("-c", f"{begin}from dh2urdf.cli import main; main()", *words, folder=tmp_path, path=tuple(path))
         assert result.returncode == status, f"exit status {result.returncode}\n{result.stdout}\n{result.stderr}"
         return result
 

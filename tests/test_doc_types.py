@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 import textwrap
 from pathlib import Path
 
 import pytest
+from child_python import python
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -46,8 +45,6 @@ def test_the_python_of_the_docs_is_typed(tmp_path: Path, types_cache: Path) -> N
     ours = f"[mypy]\nstrict = true\n[mypy-{','.join(Path(name).stem for name in places)}]\ndisallow_untyped_calls = false\n"
     config.write_text(f"{ours}{sections}", "utf-8")
     command = ["-m", "mypy", "--config-file", str(config), "--cache-dir", str(types_cache), *places]
-    checked = subprocess.run(
-        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
-    )
+    checked = python(*command, folder=tmp_path)
     told = re.sub(r"block_\d+\.py", lambda name: places[name[0]], checked.stdout)
     assert checked.returncode == 0, f"{told}{checked.stderr}"

@@ -8,13 +8,13 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from child_python import python
 from PIL import Image
 
 if TYPE_CHECKING:
@@ -27,14 +27,13 @@ pytest.importorskip("mujoco")
 PICTURE = Path(__file__).parents[1] / "docs" / "ur5.png"
 CONFIGS = Path(__file__).parents[1] / "configs"
 FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "ur5.mujoco.png"}
-COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 
 
 def run_in(folder: Path) -> CompletedProcess[str]:
     """The command in a folder that holds a copy of configs."""
-    return subprocess.run(
-        [*COMMAND, "run", "configs/ur5.yaml"], cwd=folder, capture_output=True, encoding="utf-8", check=True
-    )
+    done = python("-c", "from dh2urdf.cli import main; main()", "run", "configs/ur5.yaml", folder=folder)
+    assert done.returncode == 0, done.stderr
+    return done
 
 
 @pytest.fixture(scope="module")

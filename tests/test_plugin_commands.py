@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from child_python import python
 
 from dh2urdf.errors import StageConflictError
 from dh2urdf.hookspecs import hookimpl
@@ -18,6 +16,7 @@ from dh2urdf.plugin_system import Catalog
 from dh2urdf.stages import Subcommand
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Callable
 
     Called = Callable[..., tuple[str, str]]
@@ -150,14 +149,13 @@ class TestRecords:
 
 
 def without_them(*command: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "DH2URDF_HIDDEN": "dh2urdf_check dh2urdf_studio"}
-    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    return python(*command, folder=ROOT, DH2URDF_HIDDEN="dh2urdf_check dh2urdf_studio")
 
 
 @pytest.mark.long
 def test_the_tests_of_the_host_pass_without_the_built_in_commands() -> None:
     """Neither package can be imported, and no entry point names them: commands, conversion, emitters and contracts work."""
     tests = ("tests/pipeline/cli/test_main.py", "tests/pipeline/test_api.py", "tests/plugins/emitters/test_urdf.py")
-    done = without_them(sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *tests)
+    done = without_them("-m", "pytest", "-p", "no:cacheprovider", *tests)
     assert done.returncode == 0, done.stdout
     assert "without dh2urdf_check, dh2urdf_studio" in done.stdout

@@ -191,6 +191,7 @@ def test_drake(case: Case, caplog: pytest.LogCaptureFixture, capfd: pytest.Captu
     pytest.importorskip("pydrake")
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.multibody.tree import ModelInstanceIndex
     from pydrake.systems.framework import DiagramBuilder
 
     capfd.readouterr()
@@ -201,10 +202,10 @@ def test_drake(case: Case, caplog: pytest.LogCaptureFixture, capfd: pytest.Captu
             plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(case.root))
         plant.Finalize()
     context = plant.CreateDefaultContext()
-    bodies = [
-        plant.get_body(index) for model in range(plant.num_model_instances()) for index in bodies_of(plant, model)
-    ]
-    assert sum(body.get_mass(context) for body in bodies) == pytest.approx(case.mass, rel=1e-12)
+    models = map(ModelInstanceIndex, range(1, plant.num_model_instances()))  # Drake's own world has no mass.
+    assert sum(
+        plant.get_body(index).get_mass(context) for model in models for index in plant.GetBodyIndices(model)
+    ) == pytest.approx(case.mass, rel=1e-12)
 
     def frame(q: dict[str, float], tip: str) -> np.ndarray:
         values = plant.GetPositions(context)
@@ -216,13 +217,6 @@ def test_drake(case: Case, caplog: pytest.LogCaptureFixture, capfd: pytest.Captu
     assert_poses(case, frame)
     assert [record.getMessage() for record in caplog.records if record.name.startswith("drake")] == []
     assert flushed(capfd) == []
-
-
-def bodies_of(plant: Any, model: int) -> Any:
-    from pydrake.multibody.tree import ModelInstanceIndex
-
-    # Drake's own world has no mass.
-    return plant.GetBodyIndices(ModelInstanceIndex(model)) if model > 0 else []
 
 
 NO_INERTIAL = "No inertial data for link, using mass=1, localinertiadiagonal = 1,1,1, identity local inertial frame"

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
-import json
-import tarfile
 from typing import TYPE_CHECKING
 
 import pytest
@@ -57,22 +54,3 @@ def test_an_object_store_holds_what_a_folder_would(
     said = dh2urdf("run", "far.yaml", "--resume").stdout
     assert ("29 unchanged" if layout == "files" else "30 made") in said
     assert contents(far) == contents(near)
-
-
-@pytest.mark.long
-def test_the_manifest_finds_the_bytes_in_a_shard(
-    arms: Path, bucket: str, dh2urdf: Callable[..., CompletedProcess[str]]
-) -> None:
-    """Offset and size of the manifest are those of the member, as tarfile finds it."""
-    text = RUN.replace("LAYOUT", "shards, size: 8").replace("EMITTERS", "urdf")
-    (arms / "far.yaml").write_text(text.replace("ADDRESS", f"{bucket}/arms"))
-    dh2urdf("run", "far.yaml", "-q")
-    far = open_store(f"{bucket}/arms")
-    for line in far.read("manifest.jsonl").splitlines():
-        (file,) = json.loads(line)["files"]
-        content = far.read(file["shard"])[file["offset"] :][: file["bytes"]]
-        with tarfile.open(fileobj=io.BytesIO(far.read(file["shard"]))) as shard:
-            member = shard.extractfile(file["path"])
-            assert member
-            assert member.read() == content
-        assert hashlib.sha256(content).hexdigest() == file["sha256"]

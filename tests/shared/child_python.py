@@ -23,4 +23,5 @@ def python(
         text=True,
         encoding="utf-8",
         check=False,
+        timeout=600,
     )

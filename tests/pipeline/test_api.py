@@ -96,13 +96,6 @@ class TestRead:
         assert isinstance(bad, dh2urdf.Rejected)
         assert bad.problems[0].field == "alpha"
 
-    def test_the_reader_can_be_named(self) -> None:
-        """Where the suffix says nothing, or something else."""
-        shutil.copy("ur5.csv", "ur5.txt")
-        assert dh2urdf.read("ur5.txt", reader="csv").name == "ur5"
-        assert [arm.name for arm in dh2urdf.read_all("ur5.txt", reader="csv")] == ["ur5"]
-        assert dh2urdf.convert("ur5.txt", reader="csv").robot.name == "ur5"
-
 
 class TestConvert:
     def test_it_is_what_the_command_writes(self, cli: Cli) -> None:

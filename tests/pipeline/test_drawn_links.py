@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from solids import STL
 
 import dh2urdf
 from dh2urdf.fields import replace_unchecked
@@ -22,15 +23,6 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-MESH = "solid s\n" + "\n".join(
-    "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners) + "endloop\nendfacet"
-    for corners in (
-        ((0, 0, 0), (0, 0.1, 0), (0.1, 0, 0)),
-        ((0, 0, 0), (0.1, 0, 0), (0, 0, 0.1)),
-        ((0, 0, 0), (0, 0, 0.1), (0, 0.1, 0)),
-        ((0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)),
-    )
-)
 TORN = """\
 name: torn
 convention: standard
@@ -44,7 +36,7 @@ joints:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    (tmp_path / "upperarm.stl").write_text(MESH + "\nendsolid s\n")
+    (tmp_path / "upperarm.stl").write_bytes(STL)
     (tmp_path / "torn.yaml").write_text(TORN)
     (tmp_path / "good.yaml").write_text(TORN.replace("a: -0.6", "a: -0.425").replace("name: torn", "name: good"))
     return tmp_path

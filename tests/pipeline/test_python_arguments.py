@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pytest
+from solids import STL
 
 import dh2urdf
 from dh2urdf.errors import Dh2UrdfError
@@ -34,17 +35,6 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 UR5 = CONFIGS / "tables" / "ur5.csv"
 PLACED = RigidTransform.from_xyz_rpy((0.1, 1 / 3, -0.2), (0.3, -0.4, 1.1))
 INERTIA = Inertia(ixx=0.01, iyy=0.012, izz=0.013, ixy=0.001, ixz=0.002, iyz=0.0015)
-CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))
-STL = "".join(
-    ["solid\n"]
-    + [
-        "facet normal 0 0 0\nouter loop\n"
-        + "".join("vertex {} {} {}\n".format(*CORNERS[corner]) for corner in face)
-        + "endloop\nendfacet\n"
-        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-    ]
-    + ["endsolid\n"]
-).encode()
 
 
 def mesh(folder: Path, name: str) -> MeshShape:
@@ -169,42 +159,6 @@ def everything_of(arm: Manipulator) -> tuple[Any, ...]:
     return (*made.files.items(), *(str(notice) for notice in made.notices))
 
 
-MESHES: dict[str, Any] = {"visual": MESH, "collision": MESH}
-ROUND = LinkGeometry(shape="cylinder", radius=0.05)
-NOT_DRAWN: dict[str, Any] = {"visuals": False, "collisions": False}
-
-
-@pytest.mark.parametrize(
-    ("arm", "row", "how", "unused"),
-    [
-        ({"base_geometry": ROUND, "base_visual": MESH}, {}, {}, ["base.geometry"]),
-        ({"base_geometry": ROUND, **NOT_DRAWN}, {}, {}, []),
-        ({"base_geometry": ROUND}, {}, {"variant": "paper"}, ["base.geometry"]),
-        ({"geometry": ROUND}, {}, {"variant": "paper"}, ["defaults.geometry.shape", "defaults.geometry.radius"]),
-        ({}, {"radius": 0.05, **MESHES}, {}, ["radius"]),
-        (NOT_DRAWN, {"radius": 0.05}, {}, []),
-        ({"density": 2000.0}, {}, {}, []),
-    ],
-)
-def test_shapes_and_densities_that_nothing_shows_are_said(
-    arm: dict[str, Any], row: dict[str, Any], how: dict[str, Any], unused: list[str], tmp_path: Path
-) -> None:
-    """A notice names each; where there is none, a file is another without it."""
-    shape = mesh(tmp_path, "link.stl")
-    with_meshes = [{key: shape if value == MESH else value for key, value in said.items()} for said in (arm, row)]
-    rows = (DHRow(**{"joint": "one", "link": "arm", "a": 0.3, "alpha": 0.0, "d": 0.2, **with_meshes[1]}),)
-    given = Manipulator(**{"name": "arm", "convention": Convention.STANDARD, "rows": rows, **with_meshes[0]})
-    made = dh2urdf.convert(given, meshes="file", **how)
-    found = [
-        notice.field for notice in made.notices if "has no effect: " in notice.message or "drawn as" in notice.message
-    ]
-    assert [field for field in found if field != "meshes"] == unused
-    if unused and "capsule" not in str(made.notices):
-        less: dict[str, Any] = {"geometry": LinkGeometry(), "base_geometry": LinkGeometry(), "density": None}
-        bare = replace(given, **less, rows=tuple(replace(one, radius=None) for one in given.rows))
-        assert dh2urdf.convert(bare, meshes="file", **how).text == made.text
-
-
 @pytest.mark.long
 def test_every_field_of_every_record_has_an_effect(tmp_path: Path) -> None:
     """One is changed, and a file, a notice or an error is another; and a table in YAML says it."""
@@ -264,6 +218,10 @@ class TestArguments:
             (lambda: dh2urdf.read(UR5, robot=1), "robot"),
             (lambda: dh2urdf.check("arm.urdf", arguments="a:=3"), "arguments"),
             (lambda: dh2urdf.check("arm.urdf", without=["urdff"]), "without"),
+            *(
+                (lambda wrong=wrong: Manipulator.from_dh([[1, 2, 3]], **{wrong: 7}), wrong)
+                for wrong in ("mark", "file")
+            ),
             (lambda: dh2urdf.read(UR5, conventoin="standard"), "conventoin"),
             (lambda: dh2urdf.run({"inputs": {str(UR5)}}), None),
             (lambda: dh2urdf.run({"inputs": str(UR5)}, settings={"nokey": "dh"}), None),
@@ -279,19 +237,6 @@ class TestArguments:
             call()
         assert [problem.field for problem in raised.value.problems] == [field]  # type: ignore[attr-defined]
         assert list(tmp_path.iterdir()) == []
-
-    @pytest.mark.parametrize(
-        ("out", "format_name", "notices"),
-        [
-            ("arm.sdf", "urdf", 1),
-            ("arm.urdf", "xacro", 1),
-            ("arm.urdf", "urdf", 0),
-            ("arm.txt", "urdf", 0),
-        ],
-    )
-    def test_a_suffix_of_another_format_is_told(self, out: str, format_name: str, notices: int, tmp_path: Path) -> None:
-        before = len(dh2urdf.convert(UR5).notices)
-        assert len(dh2urdf.convert(UR5, tmp_path / out, formats=format_name).notices) == before + notices
 
     @pytest.mark.parametrize("inertia", [None, INERTIA])
     def test_records_are_in_si_units_whatever_the_table_is_in(self, inertia: Inertia | None) -> None:

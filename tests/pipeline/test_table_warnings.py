@@ -136,6 +136,3 @@ def test_the_place_of_a_table() -> None:
     arm = dh2urdf.Manipulator.from_dh([{"a": 0.4, "alpha": 0, "d": 0.1}], convention="standard", mark=given)
     assert arm.mark is not None
     assert (arm.mark.file, arm.mark.line) == ("arms.jsonl", 7)
-    for wrong in ("mark", "file"):
-        with pytest.raises(dh2urdf.errors.ConfigError):
-            dh2urdf.Manipulator.from_dh(rows, **{wrong: 7})  # type: ignore[arg-type]

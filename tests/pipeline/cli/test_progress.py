@@ -8,13 +8,10 @@ import pytest
 from terminal import on_a_terminal
 
 from dh2urdf.cli.run import MOST_ROWS, print_summary, progress
-from dh2urdf.conversion.one_manipulator import Written
-from dh2urdf.conversion.outcome import Outcome, Verdict
+from dh2urdf.conversion.outcome import Outcome
 from dh2urdf.errors import SCREENFUL
-from dh2urdf.kinematics.proof import Proof
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import EmittedFile, LoadReport
 from dh2urdf.tasks.batch_report import BatchReport, Result
 
 if TYPE_CHECKING:
@@ -132,11 +129,6 @@ def test_a_bar_on_a_terminal(arms: Path) -> None:
 # --- The summary ------------------------------------------------------------------------------------------------------
 
 
-def wrote(stage: str, error: float | None) -> Written:
-    proof = None if error is None else Proof(position_error=error, angle_error=0, q=(), tolerance=1e-9, poses=1)
-    return Written(stage=stage, files=(EmittedFile(name=f"arm.{stage}", content=b""),), proof=proof)
-
-
 def outcome(name: str = "arm", status: Any = "ok", **fields: Any) -> Outcome:
     return Outcome(name=name, status=status, source="arm.csv", **fields)
 
@@ -180,26 +172,6 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
 def cells(lines: Sequence[str]) -> list[list[str]]:
     """The cells of the rows of a summary."""
     return [[cell.strip() for cell in line.strip("│").split("│")] for line in lines if line.startswith("│")]
-
-
-def columns(lines: Sequence[str]) -> list[str]:
-    header = next(line for line in lines if line.startswith("┃"))
-    return [cell.strip() for cell in header.strip("┃").split("┃")]
-
-
-def test_a_column_per_emitter_and_loader(printed: Callable[..., list[str]]) -> None:
-    """With the largest error each, 0 as 0; a dash where there is no proof; the files, pictures included."""
-    load = LoadReport(simulator="Paper", version="1", position_error=3.3e-8, hold={"stayed": True}, picture="arm.png")
-    lines = printed(
-        outcome(
-            written=(wrote("urdf", 1.5e-16), wrote("dae", None), wrote("txt", 0.0)),
-            loads={"paper": Verdict(report=load)},
-        )
-    )
-    assert columns(lines) == ["manipulator", "status", "urdf", "dae", "txt", "paper", "holds still", "files"]
-    assert cells(lines) == [["arm", "ok", "1.5e-16", "–", "0", "3.3e-08", "yes", "arm.urdf, arm.dae, arm.txt, arm.png"]]
-    assert lines[0] == "largest distance of tool0 from the DH product, in metres:"
-    assert lines[-3:] == ["1 made", "simulators: paper 1 of 1", "written to build/out"]
 
 
 def test_a_long_run_is_cut(printed: Callable[..., list[str]]) -> None:

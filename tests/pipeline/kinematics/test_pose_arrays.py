@@ -85,15 +85,6 @@ class TestJacobian:
             columns = [joint.idx_v for joint in joints]
             np.testing.assert_allclose(found, np.reshape(theirs, (6, model.nv))[:, columns], atol=1e-9)
 
-    def test_of_a_pendulum_is_known(self) -> None:
-        """A link of 2 m along x, turned about z: it moves along y by 2 m/rad."""
-        pendulum = Manipulator(
-            name="p",
-            convention="standard",
-            rows=[DHRow(joint="j", link="l", a=2, alpha=0, d=0)],  # type: ignore[arg-type]
-        )
-        assert pendulum.jacobian([0.0]).ravel().tolist() == [0.0, 2.0, 0.0, 0.0, 0.0, 1.0]
-
 
 class TestAllLinks:
     @pytest.mark.parametrize("arm", ARMS, ids=lambda arm: str(arm.convention))

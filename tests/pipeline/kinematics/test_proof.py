@@ -71,10 +71,6 @@ class TestJointVectors:
             assert -1.0 <= turn <= 2.0
             assert 0.1 <= slide <= 0.4
 
-    def test_the_first_is_the_nearest_to_zero(self) -> None:
-        """The first vector is zero, clipped into the limits."""
-        assert joint_vectors(TRUTH, written(), 1) == ((0.0, 0.1),)
-
     def test_a_joint_without_limits_turns_once_around(self) -> None:
         """A continuous joint is tried between −π and π."""
         free = replace(joint("turn"), type=JointType.CONTINUOUS, limits=Limits(velocity=1.0, effort=1.0))

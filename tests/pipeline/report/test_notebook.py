@@ -63,19 +63,6 @@ class TestTables:
             html.fromstring(shown).xpath(".//p")[0].text_content().split()
         )
 
-    def test_that_of_a_robot(self) -> None:
-        """Every joint with its links, origin, axis, limits and the mass that it carries; masses and links are counted."""
-        robot = robot_of(dh2urdf.read(TABLES / "ur5.csv"))
-        shown = robot._repr_html_()
-        rows = cells(shown)
-        assert [row[0] for row in rows[1:]] == [joint.name for joint in robot.joints]
-        lift = dict(zip(rows[0], rows[3], strict=True))
-        assert (lift["joint"], lift["parent"], lift["child"]) == ("shoulder_lift_joint", "link_1", "link_2")
-        assert (lift["xyz [m]"], lift["axis"]) == ("0 0 0.08916", "0 -1 0")
-        assert lift["lower [rad, m]"] == "-6.28319 -360°"
-        assert sum(float(row[-1] or 0) for row in rows[1:]) == pytest.approx(robot.mass, abs=1e-4)
-        assert f"10 links · 6 moving joints · {robot.mass:.6g} kg · root base_link" in shown
-
     def test_a_long_one_is_cut(self) -> None:
         """A table of hundreds of rows scrolls; beyond a number that nobody reads, it says how many more there are."""
         assert len(cells(chain(100)._repr_html_())) == 101

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 import random
 import re
 import subprocess
@@ -9,11 +8,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, settings, strategies as st
 
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.rotations import is_column
@@ -419,37 +419,23 @@ class TestWhatIsRemembered:
             assert urdf_scanner._scanner.size < 8 * len(ARM)
 
 
-lengths = st.just(0.0) | st.floats(-2, 2)
-angles = st.sampled_from([k * math.pi / 2 for k in range(-2, 3)]) | st.floats(-3, 3)
-
-
-@st.composite
-def kinds_of_arms(draw: st.DrawFn) -> list[Manipulator]:
-    """Several arms of the same joints."""
-    kinds = draw(st.lists(st.sampled_from(JointType), min_size=1, max_size=5))
-    convention = draw(st.sampled_from(Convention))
-
-    def row(number: int, kind: JointType) -> DHRow:
-        return DHRow(
-            joint=f"joint_{number}",
-            link=f"link_{number}",
-            type=kind,
-            a=draw(lengths),
-            alpha=draw(angles),
-            d=draw(lengths),
-            theta=draw(angles),
-        )
-
-    return [
-        Manipulator(name=f"arm_{k}", convention=convention, rows=tuple(row(n, kind) for n, kind in enumerate(kinds)))
-        for k in range(draw(st.integers(1, 4)))
-    ]
-
-
 @settings(max_examples=40)
-@given(tables=kinds_of_arms(), frames=st.sampled_from(FRAMES))
-def test_any_arms_are_read_as_the_slow_reader_reads_them(tables: list[Manipulator], frames: str) -> None:
+@given(table=manipulators(most=5), data=st.data(), frames=st.sampled_from(FRAMES))
+def test_any_arms_are_read_as_the_slow_reader_reads_them(table: Manipulator, data: st.DataObject, frames: str) -> None:
     """Files of arms with the same joints are one group, and each of its members is the file's robot."""
+
+    def numbers() -> dict[str, float]:
+        return {
+            "a": data.draw(LENGTHS),
+            "alpha": data.draw(ANGLES),
+            "d": data.draw(LENGTHS),
+            "theta": data.draw(ANGLES),
+        }
+
+    tables = [
+        replace(table, name=f"arm_{k}", rows=tuple(replace(row, **numbers()) for row in table.rows))
+        for k in range(data.draw(st.integers(1, 4)))
+    ]
     files = [written(table, frames) for table in tables]
     assert [places for places, _ in scan_columns(files)] == [list(range(len(files)))]
     assert scanned(files) == {place: as_read(content) for place, content in enumerate(files)}

@@ -187,19 +187,6 @@ def test_a_name_that_the_format_cannot_hold_is_refused(
 
 
 @formats
-def test_files_are_plain_and_always_the_same(arm: Robot, emitter: Emitter[Any]) -> None:
-    """The same bytes again, one element per line, no −0, no noise of a quarter turn, the comment on top."""
-    content = content_of(emitter, arm)
-    assert content == content_of(emitter, arm)
-    text = content.decode()
-    assert text.splitlines()[:2] == ['<?xml version="1.0"?>', "<!-- made by hand -->"]
-    assert not re.search(r"[\s\">]-0[\s\"<]", text)
-    assert not re.search(r"e-1[5-9]", text)
-    for line in text.splitlines()[2:]:
-        assert len(re.findall(r"<[a-z]", line)) <= 1
-
-
-@formats
 def test_a_shape_of_a_weightless_link_is_not_lost(arm: Robot, emitter: Emitter[Any], tmp_path: Path) -> None:
     """It stands where it would, whatever carries it."""
     shape = replace(arm.links[2].visuals[1], material=None)

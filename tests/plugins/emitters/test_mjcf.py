@@ -15,9 +15,8 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
 from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
-from dh2urdf_plugins.formats.mjcf.home_contacts import _distance, touching_at_home
+from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.writer import DEEPEST
-from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
@@ -142,20 +141,6 @@ def test_motors_leave_the_control_to_the_user(reference_robots: Any) -> None:
         assert tuple(model.actuator_forcerange[number]) == (-joint.limits.effort, joint.limits.effort)
         assert model.actuator_gainprm[number][0] == 1.0
     assert np.abs(settled(model).qpos).max() > 0.5
-
-
-def test_a_base_that_collides_throws_nothing(reference_robots: Any) -> None:
-    """With a collision shape on the base, a URDF has contacts at rest in MuJoCo, and MJCF has none."""
-    robot = ur5(reference_robots, base_collision=True, shape="box")
-    (file,) = URDF.emit(robot, "arm", URDF.options())
-    contacts = []
-    for model in (mujoco.MjModel.from_xml_string(file.content.decode()), model_of(robot)):
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        contacts.append(data.ncon)
-    assert contacts[0] > 0
-    assert contacts[1] == 0
-    assert np.abs(settled(model_of(robot)).qpos).max() < 1e-6
 
 
 def test_one_of_everything_loads(arm: Robot) -> None:
@@ -374,25 +359,3 @@ def test_folded_arms_touch_nothing_at_home(reference_robot: Any) -> None:
         assert ("link_2", "link_4") in touching_at_home(robot)
     if reference_robot.id == "kst_iiwa_14R820":
         assert touching_at_home(robot) == []
-
-
-CAPSULE = '<body pos="{}"><freejoint/><geom name="{}" type="capsule" fromto="{}" size="{}"/></body>'
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_capsules_are_as_far_apart_as_in_mujoco(seed: int) -> None:
-    """The distance of two capsules that do not overlap, in any position."""
-    draw = random.Random(seed)  # noqa: S311 - no secret
-    capsules = []
-    for shift in (0.0, 1.5):
-        start, end = ([draw.uniform(-0.5, 0.5) + shift for _ in range(3)] for _ in range(2))
-        capsules.append((tuple(start), tuple(end), draw.uniform(0.01, 0.1)))
-    bodies = [
-        CAPSULE.format("0 0 0", name, " ".join(map(repr, (*start, *end))), radius)
-        for name, (start, end, radius) in zip("ab", capsules, strict=True)
-    ]
-    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{''.join(bodies)}</worldbody></mujoco>")
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    found = mujoco.mj_geomDistance(model, data, 0, 1, 10.0, None)
-    assert _distance(*capsules) == pytest.approx(found, abs=1e-6)  # type: ignore[arg-type]

@@ -10,7 +10,6 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.plugin_system import load
 from dh2urdf.robot import Link, Material, Parameter, Robot, Sphere, Visual
-from dh2urdf_plugins.packages.ros2.package_files import proposed_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -90,11 +89,3 @@ def test_what_cannot_be_written_is_refused(arm: Robot, case: str) -> None:
     with pytest.raises(Dh2UrdfError) as caught:
         emitter.emit(change(arm), stem, emitter.options(**options))
     assert caught.value.problems[0].code == code
-
-
-@pytest.mark.parametrize(
-    ("name", "proposed"),
-    [("UR5", "ur5"), ("7dof", "arm_7dof"), ("my__arm", "my_arm"), ("x", "arm_x"), ("é", "arm_e"), ("关节", "my_arm")],
-)
-def test_a_name_that_rep_144_allows_is_proposed(name: str, proposed: str) -> None:
-    assert proposed_name(name) == proposed

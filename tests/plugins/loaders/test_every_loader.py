@@ -19,7 +19,7 @@ from dh2urdf.robot import Collision, Cylinder, Origin
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from conftest import Answer, ReferenceRobot
+    from conftest import Answer
 
     from dh2urdf.stages import Finding, Loader, LoadReport, LoadRequest
 
@@ -272,26 +272,6 @@ def test_an_overlap_is_found(
 
 
 # --- Published arms and cells -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("subject", HERE, indirect=True)
-def test_published_arms_are_confirmed(
-    subject: Subject,
-    run: Callable[..., LoadReport],
-    reference_robots: list[ReferenceRobot],
-    published_request: Callable[..., LoadRequest],
-) -> None:
-    """As URDF, at the poses that their publishers have themselves.
-
-    Every arm is loaded by `tests/test_simulator_matrix.py`, in the format that the loader prefers. Here are three of
-    those whose link frames are turned in the most ways, and of those with a rail.
-    """
-    for name, frames in (("rtb_Panda", "dh"), ("rtb_Stanford", "aligned"), ("threelink3d_oblique", "dh")):
-        (robot,) = [each for each in reference_robots if each.id == name]
-        report = run(published_request(robot, frames=frames))
-        assert report.poses == len(robot.q)
-        assert report.hold.get("stayed") is (None if subject.loader.name == "gazebo" else True)
-        assert [each for each in surprises(report) if "overlap" not in each.message] == []
 
 
 @pytest.mark.long

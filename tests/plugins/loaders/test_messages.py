@@ -81,7 +81,6 @@ PRINTED = {
         DRAKE + DRAKE + "Drake logged ERROR: worse\n",
         ["notice: Drake printed 'line 30: warning: the inertia [1 2 3] is impossible'", "error: Drake printed 'worse'"],
     ),
-    "drake, past the logger": ("one\n\ntwo\n", ["notice: Drake printed 'one'", "notice: Drake printed 'two'"]),
     "gazebo": (
         "Library error: libignition-tools-backward.so not found. Improved backtrace generation will be disabled\n"
         f"Error:   link 'a' is not unique.\n{LINE}" + 2 * "\x1b[1;33mWarning [Utils.cc:130]\x1b[0m unused\n",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import Decimal
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.testing.oracle import robot_pose, table_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
+from dh2urdf_plugins.transforms.formulas import Quantity, length_of
 from dh2urdf_plugins.transforms.robots import alpha_swap
 
 if TYPE_CHECKING:
@@ -327,3 +329,40 @@ def test_with_a_half_turn_at_its_base_the_table_is_the_real_ur5(
         pinocchio.framesForwardKinematics(model, data, q)
         real = data.oMf[base].actInv(data.oMf[tool]).homogeneous
         np.testing.assert_allclose(as_matrices(chain.forward_kinematics(list(q))), real, rtol=0, atol=1e-9)
+
+
+# --- How formulas are written
+
+A, B = Quantity.parameter("a", 0.7), Quantity.parameter("b", -1.3)
+
+
+def n(value: float) -> Quantity:
+    return Quantity(value)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "formula"),
+    [
+        (n(-0.5) * A, "-0.5*a"),
+        (n(-1e-07) * A, "-0.0000001*a"),
+        (A + n(-0.25), "a - 0.25"),
+        (A - (B + n(1.0)), "a - (b + 1)"),
+        ((A + B) * n(0.5), "0.5*(a + b)"),
+        ((A * B) * B, "a*b*b"),
+        (length_of(B, 0.08, least=0.001), "max(abs(b) - 0.08, 0.001)"),
+    ],
+)
+def test_formulas_are_short_and_give_the_value(quantity: Quantity, formula: str) -> None:
+    """What changes nothing is not written, signs are in front, and the value is the formula's."""
+    assert quantity.formula == formula
+    assert value_of(formula, {"a": 0.7, "b": -1.3}) == quantity.value
+
+
+@given(
+    st.floats(0.0, 1e30)
+    | st.floats(0.0, 1e-3)
+    | st.sampled_from([1e-6, 2.0**-24, 5e-324, 1e16, 1e23, 1.7976931348623157e308])
+)
+def test_numbers_have_no_exponents(value: float) -> None:
+    """A number in a formula is its shortest decimal text, written out as `decimal` writes it."""
+    assert Quantity(value).formula == format(Decimal(repr(value)), "f").removesuffix(".0")

@@ -215,7 +215,7 @@ class TestWhatIsRead:
 
     def test_nothing_comes_from_the_emitter(self) -> None:
         """The scanner imports no emitter."""
-        code = "import sys, dh2urdf_plugins.formats.urdf.scanner; print([m for m in sys.modules if 'writer' in m or 'columns' in m])"
+        code = "import sys, dh2urdf_plugins.formats.urdf.scanner; print([m for m in sys.modules if m.endswith(('writer', 'formats.urdf.columns'))])"
         result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert result.stdout.strip() == "[]"
 

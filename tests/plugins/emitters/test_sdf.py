@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -130,21 +128,3 @@ def test_a_cell_is_one_model(cli: Callable[..., Any], tmp_path: Path) -> None:
         T = plant.GetFrameByName(name).CalcPoseInWorld(context)
         assert np.abs(T.translation() - pose.translation).max() < 1e-12
         assert np.abs(T.rotation().matrix().ravel() - pose.rotation).max() < 1e-12
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("fixed", [True, False])
-def test_the_loaders_take_it(cli: Callable[..., Any], tmp_path: Path, *, fixed: bool) -> None:
-    """Where a run writes SDF, Gazebo's loader takes it, and finds no lost frame; so does Drake's where there is no URDF."""
-    pytest.importorskip("pydrake")
-    if not (shutil.which("gz") or shutil.which("ign")):
-        pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
-    emitters = f"emitters=[{{stage: sdf, options: {{fixed: {str(fixed).lower()}}}}}]"
-    loaders = "loaders=[{stage: gazebo, options: {poses: 3}}, {stage: drake, options: {poses: 3}}]"
-    cli("run", CONFIGS / "ur5_on_track.yaml", "-o", tmp_path, "--set", emitters, "--set", loaders)
-    for entry in json.loads((tmp_path / "report.json").read_text("utf-8"))["manipulators"]:
-        assert entry["status"] == "ok"
-        for report in entry["loaders"].values():
-            assert report["findings"] == []
-            assert report["position_error"] < 1e-13
-        assert all(joint["effort"] > 0 for joint in entry["loaders"]["drake"]["joints"])

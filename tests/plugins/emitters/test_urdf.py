@@ -142,20 +142,6 @@ def renamed(robot: Robot, old: str, new: str) -> Robot:
     )
 
 
-def test_joints_carry_the_limits_of_their_type(arm: Robot) -> None:
-    """Revolute and prismatic ones all four, continuous ones effort and velocity, fixed ones none."""
-    limits = {
-        joint.get("type"): None if (limit := joint.find("limit")) is None else list(limit.keys())
-        for joint in ET.fromstring(urdf(arm)).iter("joint")  # noqa: S314 - our own file
-    }
-    assert limits == {
-        "fixed": None,
-        "prismatic": ["lower", "upper", "effort", "velocity"],
-        "revolute": ["lower", "upper", "effort", "velocity"],
-        "continuous": ["effort", "velocity"],
-    }
-
-
 def test_names_are_written_as_they_are_in_utf8(arm: Robot) -> None:
     """A person reads the name in the file; only what XML itself uses is escaped."""
     text = urdf(renamed(arm, "tool0", "Größe 机械臂 <&>\"' ]]> ${x}"))

@@ -339,9 +339,3 @@ def test_a_missing_package_names_the_extra(
     with pytest.raises(MissingDependencyError) as caught:
         subject.load(request_for(**more))
     assert (caught.value.package, caught.value.extra) == (package, f"dh2urdf[{subject.loader.name}]")
-
-
-@pytest.mark.parametrize("name", EVERY)
-def test_there_is_at_least_one_pose_to_measure(name: str) -> None:
-    with pytest.raises(ValueError, match="from 1 on"):
-        CATALOG.get("loader", name).options(poses=0)

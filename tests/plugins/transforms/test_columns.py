@@ -240,24 +240,13 @@ class TestWhatIsSure:
     ) -> None:
         """A hundred arms of random lengths are all made side by side, whatever their joints."""
         r = Random(7)  # noqa: S311 - repeatable
-        tables = [
-            replace(
-                table(
-                    *(
-                        {
-                            "type": name,
-                            "a": r.uniform(0.1, 0.5),
-                            "alpha": QUARTERS[number % 3],
-                            "d": r.uniform(0.1, 0.3),
-                        }
-                        for number, name in enumerate(types)
-                    ),
-                    convention=convention,
-                ),
-                name=f"arm_{k}",
-            )
-            for k in range(100)
-        ]
+        tables = []
+        for k in range(100):
+            rows = [
+                {"type": name, "a": r.uniform(0.1, 0.5), "alpha": QUARTERS[number % 3], "d": r.uniform(0.1, 0.3)}
+                for number, name in enumerate(types)
+            ]
+            tables.append(replace(table(*rows, convention=convention), name=f"arm_{k}"))
         assert sorted(made(tables, AlphaSwapOptions(frames=frames))) == list(range(100))
 
     def test_may_lack_a_segment(self, table: Callable[..., Manipulator]) -> None:

@@ -253,15 +253,11 @@ class TestInertias:
 class TestFloor:
     """Moments of 0, as UR prints those of its last link."""
 
-    @pytest.fixture
-    def arm(self, tmp_path: Path) -> Manipulator:
-        """A UR20 whose last link has diag(0, 0, 0.0002)."""
+    def test_a_floor_makes_them_those_of_a_body(self, tmp_path: Path) -> None:
+        """The least that the triangle inequality asks for, and a notice."""
         table = ARMS["ur20"]
         last = table["rows"][-1] | {"inertia": [0, 0, 0.0002, 0, 0, 0]}
-        return read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path)
-
-    def test_a_floor_makes_them_those_of_a_body(self, arm: Manipulator) -> None:
-        """The least that the triangle inequality asks for, and a notice with both."""
+        arm = read(as_csv(table | {"rows": [*table["rows"][:-1], last]}, None), tmp_path)
         robot = robot_of(arm, inertia_floor=1e-6, frames="dh")
         body = next(link.inertial for link in robot.links if link.name == "link_6")
         assert body is not None

@@ -7,14 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pytest
 
 import dh2urdf as api
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, Payload
 from dh2urdf.robot import Arm, Link, Origin, Robot
-from dh2urdf.stages import GivesNotices, OtherFiles, ReadsBack
+from dh2urdf.stages import GivesNotices, OtherFiles
 from dh2urdf_plugins.packages.table import EMITTER, SUFFIXES, TableOptions
 
 if TYPE_CHECKING:
@@ -196,22 +195,6 @@ def test_several_formats(arm: Manipulator) -> None:
     assert others.for_suffix(TableOptions(), ".yml").formats == ("yaml",)
     others = EMITTER.can(OtherFiles)
     assert others.one_file(options).formats == ("latex",)
-
-
-@pytest.mark.parametrize("name", ["yaml", "csv", "json"])
-def test_the_proof_reads_the_file(name: Any, reference_robot: ReferenceRobot, tmp_path: Path) -> None:
-    """The robot that is read back has the frames of the file, which a changed file changes."""
-    reads = EMITTER.can(ReadsBack)
-    arm = reference_robot.manipulator
-    path = tmp_path / f"arm{SUFFIXES[name]}"
-    first = replace(arm.rows[0], d=arm.rows[0].d + 0.125)
-    for rows in (arm.rows, (first, *arm.rows[1:])):
-        changed = replace(arm, rows=rows)
-        path.write_bytes(written(changed, formats=(name,)))
-        robot = reads.read_back(path)
-        q = [0.3] * len(arm.moving_rows)
-        found, expected = robot.fk(q), changed.fk(q)
-        assert np.abs(found - expected).max() <= 1e-12 * max(1.0, np.abs(expected).max())
 
 
 def test_links_that_no_table_has_are_noticed(tmp_path: Path, cli: Callable[..., Answer]) -> None:

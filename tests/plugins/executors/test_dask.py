@@ -357,17 +357,6 @@ class TestThePage:
         text = (self.ROOT / "docs" / "machines.md").read_text("utf-8")
         return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
 
-    def test_its_run_files_are_valid(self, tmp_path: Path) -> None:
-        """Each makes a plan that works on the scheduler."""
-        shutil.copytree(self.ROOT / "configs", tmp_path / "configs")
-        blocks = self.blocks("yaml")
-        assert len(blocks) == 2
-        for block in blocks:
-            (tmp_path / "run.yaml").write_text(block, "utf-8")
-            plan = make_plan(load_config(tmp_path / "run.yaml"), load())
-            assert plan.executor.stage.name == "dask"
-            assert plan.executor.options == DaskOptions(scheduler="tcp://head:8786")
-
     def test_its_commands_have_these_options(self) -> None:
         """Dask knows every word of the commands that start a cluster."""
         (block,) = self.blocks("sh")

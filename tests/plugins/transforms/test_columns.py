@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 from unittest import mock
 
 import pytest
-from hypothesis import given, settings, strategies as st
+from any_tables import manipulators
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from dh2urdf.columns import in_columns
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
-from dh2urdf.rotations import HALF_PI, RigidTransform
+from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
+from dh2urdf.rotations import HALF_PI
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import exact as transform_module
@@ -59,84 +60,45 @@ def _angles(r: Random, count: int) -> list[float]:
     return [r.choice([one, r.uniform(-3.0, 3.0)]) for _ in range(count)]
 
 
-def _positive(r: Random, count: int, low: float, high: float) -> list[float]:
-    one = r.uniform(low, high)
-    return [one] * count if r.random() < 0.3 else [r.uniform(low, high) for _ in range(count)]
-
-
-def _rows(r: Random, number: int, joint_type: JointType, count: int) -> list[DHRow]:
-    """One row of many tables, which differ in numbers only."""
-    fixed = joint_type is JointType.FIXED
-    numbers: dict[str, list[Any]] = {
-        "a": _lengths(r, count),
-        "d": _lengths(r, count),
-        "alpha": _angles(r, count),
-        "theta": _angles(r, count) if r.random() < 0.5 else [0.0] * count,
-    }
-    if not fixed and r.random() < 0.3:
-        numbers["offset"] = _lengths(r, count) if joint_type is JointType.PRISMATIC else _angles(r, count)
-    limits: dict[str, list[float]] = {}
-    if r.random() < 0.6:
-        limits["lower"] = _lengths(r, count)
-        limits["upper"] = [
-            low + width for low, width in zip(limits["lower"], _positive(r, count, 0.0, 2.0), strict=True)
-        ]
-    if r.random() < 0.5:
-        limits["velocity"] = _positive(r, count, 0.1, 5.0)
-    if r.random() < 0.5:
-        limits["effort"] = _positive(r, count, 1.0, 300.0)
-    if r.random() < 0.4:
-        numbers["mass"] = _positive(r, count, 0.1, 20.0)
-    if r.random() < 0.3:
-        numbers["com"] = list(zip(*(_lengths(r, count) for _ in range(3)), strict=True))
-    if r.random() < 0.3:
-        moments = [_positive(r, count, 1.0, 1.5) for _ in range(3)] + [_lengths(r, count) for _ in range(3)]
-        numbers["inertia"] = [
-            Inertia(ixx=a, iyy=b, izz=c, ixy=0.1 * d, ixz=0.1 * e, iyz=0.1 * f)
-            for a, b, c, d, e, f in zip(*moments, strict=True)
-        ]
-    if r.random() < 0.2:
-        numbers["radius"] = _positive(r, count, 0.005, 0.1)
-    if r.random() < 0.2:
-        numbers["damping"] = _positive(r, count, 0.0, 1.0)
-    sign = -1 if not fixed and r.random() < 0.3 else 1
-    return [
-        DHRow(
-            joint=f"joint_{number}",
-            link=f"link_{number}",
-            type=joint_type,
-            sign=sign,
-            limits=Limits(**{name: column[k] for name, column in limits.items()}),
-            **{name: column[k] for name, column in numbers.items()},
-        )
-        for k in range(count)
-    ]
+FIELDS: dict[str, Any] = {
+    "mass": 2.0,
+    "com": (0.1, -0.2, 0.0),
+    "inertia": Inertia(ixx=1.2, iyy=1.3, izz=1.4, ixy=0.1, ixz=-0.05),
+    "radius": 0.03,
+    "damping": 0.5,
+    "limits": Limits(lower=-0.4, upper=1.1, velocity=2.0, effort=50.0),
+}
+"""What a row may say besides its geometry; in each table it is as many times as large."""
+TABLES: dict[str, Any] = {
+    "geometry": LinkGeometry(shape="box", radius=0.03),
+    "base_geometry": LinkGeometry(radius=0.03),
+    "density": 1000.0,
+    "base_mass": 4.0,
+}
 
 
 @st.composite
-def families(draw: st.DrawFn, largest: int = 16) -> list[Manipulator]:
+def families(draw: st.DrawFn, with_numbers: Callable[..., Any], largest: int = 16) -> list[Manipulator]:
     """Manipulators that differ in numbers only."""
-    types = draw(st.lists(st.sampled_from(JointType), min_size=1, max_size=4))
-    convention = draw(st.sampled_from(Convention))
-    count = draw(st.integers(1, largest))
+    table, count = draw(manipulators(most=4)), draw(st.integers(1, largest))
     r = Random(draw(st.integers(0, 2**32)))  # noqa: S311 - repeatable
-    rows = zip(*(_rows(r, number, joint, count) for number, joint in enumerate(types, 1)), strict=True)
-    base, tool = (
-        RigidTransform.from_xyz_rpy(
-            tuple(r.choice([0.0, r.uniform(-1, 1)]) for _ in range(3)),
-            tuple(r.choice([0.0, HALF_PI, r.uniform(-3, 3)]) for _ in range(3)),
+    columns = []
+    for row in table.rows:
+        said = {name: value for name, value in FIELDS.items() if r.random() < 0.4}
+        shares = [r.uniform(0.5, 2.0) if r.random() < 0.7 else 1.0 for _ in range(count)]
+        places = zip(*(_lengths(r, count) for _ in "ad"), *(_angles(r, count) for _ in "αθ"), strict=True)
+        columns.append(
+            [
+                replace(
+                    row,
+                    **dict(zip(("a", "d", "alpha", "theta"), place, strict=True)),
+                    **{name: with_numbers(value, lambda x, s=share: s * x) for name, value in said.items()},
+                )
+                for place, share in zip(places, shares, strict=True)
+            ]
         )
-        for _ in range(2)
-    )
-    common: dict[str, Any] = {"convention": convention}
-    if r.random() < 0.5:
-        common |= {"base": base, "tool": tool}
-    if r.random() < 0.5:
-        shape, radius = r.choice([None, *SHAPES]), r.choice([None, 0.03])
-        common |= {"geometry": LinkGeometry(shape=shape, radius=radius), "base_geometry": LinkGeometry(radius=radius)}
-    if r.random() < 0.3:
-        common |= {"density": 1000.0, "base_mass": 4.0}
-    return [Manipulator(name=f"arm_{k}", rows=table, **common) for k, table in enumerate(rows)]
+    common = {name: value for name, value in TABLES.items() if r.random() < 0.3}
+    return [replace(table, name=f"arm_{k}", rows=rows, **common) for k, rows in enumerate(zip(*columns, strict=True))]
 
 
 @st.composite
@@ -174,10 +136,13 @@ def alone(table: Manipulator, how: AlphaSwapOptions) -> tuple[Robot, bytes]:
 
 class TestWhatIsMadeSideBySide:
     @pytest.mark.long
-    @settings(max_examples=250)
-    @given(families(), options())
-    def test_is_what_is_made_alone_byte_for_byte(self, tables: list[Manipulator], how: AlphaSwapOptions) -> None:
+    @settings(max_examples=250, suppress_health_check=[HealthCheck.function_scoped_fixture])
+    @given(st.data(), options())
+    def test_is_what_is_made_alone_byte_for_byte(
+        self, with_numbers: Callable[..., Any], data: st.DataObject, how: AlphaSwapOptions
+    ) -> None:
         """The robots are the same, and so is every byte of their files, whatever some of them lack."""
+        tables = data.draw(families(with_numbers))
         with mock.patch.object(transform_module, "FEWEST", 1):
             for place, (robot, content) in made(tables, how).items():
                 expected, bytes_alone = alone(tables[place], how)

@@ -263,27 +263,6 @@ def with_numbers() -> Callable[[Any, Callable[[float], Any]], Any]:
     return changed
 
 
-@pytest.fixture(scope="session")
-def side_by_side(with_numbers: Callable[[Any, Callable[[float], Any]], Any]) -> Callable[[Sequence[Any]], Any]:
-    """Records that differ in numbers only, as one with columns where they do."""
-
-    def together(records: Sequence[Any]) -> Any:
-        numbers: list[list[float]] = []
-        for record in records:
-            own: list[float] = []
-            with_numbers(record, lambda number, own=own: own.append(number))  # type: ignore[misc]
-            numbers.append(own)
-        columns = iter(
-            [
-                column[0] if len(set(map(repr, column))) == 1 else np.array(column)
-                for column in zip(*numbers, strict=True)
-            ]
-        )
-        return with_numbers(records[0], lambda _: next(columns))
-
-    return together
-
-
 @pytest.fixture
 def dh2urdf(tmp_path: Path, undrawn: str) -> Callable[..., subprocess.CompletedProcess[str]]:
     """Run the project's command in the test's folder.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from dh2urdf.columns import replaced
+from dh2urdf.columns import replaced, stacked
 from dh2urdf.kinematics.mass import (
     compound,
     inertia_problem,
@@ -24,8 +24,6 @@ from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
 sizes = st.floats(0.01, 3)
@@ -161,9 +159,7 @@ def test_a_flat_plate_is_a_body() -> None:
 
 class TestColumns:
     @given(st.lists(st.tuples(sizes, sizes, sizes, vectors, angles), min_size=2, max_size=5))
-    def test_of_bodies_are_what_each_body_is(
-        self, side_by_side: Callable[[list[Any]], Any], numbers: list[tuple[Any, ...]]
-    ) -> None:
+    def test_of_bodies_are_what_each_body_is(self, numbers: list[tuple[Any, ...]]) -> None:
         """Solids, placed, put together, turned and scaled side by side, to the last bit."""
 
         def body(shapes: tuple[Geometry, ...], frame: RigidTransform) -> Inertial:
@@ -173,9 +169,9 @@ class TestColumns:
 
         shapes = [(Box(size=(a, b, c)), Cylinder(radius=a, length=b), Sphere(radius=c)) for a, b, c, _, _ in numbers]
         frames = [RigidTransform.from_xyz_rpy(xyz, (0.0, angle, 0.0)) for *_, xyz, angle in numbers]
-        rotations = side_by_side([tuple(frame.rotation) for frame in frames])
-        translations = side_by_side([frame.translation for frame in frames])
-        together = body(side_by_side(shapes), RigidTransform(rotations, translations))
+        rotations = stacked([tuple(frame.rotation) for frame in frames])
+        translations = stacked([frame.translation for frame in frames])
+        together = body(stacked(shapes), RigidTransform(rotations, translations))
         for index, each in enumerate(zip(shapes, frames, strict=True)):
             assert replaced(together, lambda column, index=index: column[index]) == body(*each)  # type: ignore[misc]
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.columns import stacked
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import (
     Box,
@@ -225,16 +226,14 @@ WRONG = [NAN, INF, -INF, 0.0, -0.0, -1.0, 1e-300, 1e300, 2.0, 1.0 + 1e-8]
 
 
 @given(st.data())
-def test_a_robot_with_a_fault_is_never_sure(
-    with_numbers: Callable[..., Any], side_by_side: Callable[..., Any], data: st.DataObject
-) -> None:
+def test_a_robot_with_a_fault_is_never_sure(with_numbers: Callable[..., Any], data: st.DataObject) -> None:
     """Whichever number of a robot is wrong, columns of robots know it, and think no worse of its neighbours."""
     wrong = {data.draw(st.integers(0, NUMBERS_OF_ROUND - 1)): data.draw(st.sampled_from(WRONG)) for _ in range(2)}
     places = count()
     other = with_numbers(ROUND, lambda number: wrong.get(next(places), number))
     robots = [ROUND, other, ROUND]
     data.draw(st.randoms()).shuffle(robots)
-    sure = sure_columns(side_by_side(robots), ["arm"] * 3).tolist()
+    sure = sure_columns(stacked(robots), ["arm"] * 3).tolist()
     for robot, is_sure in zip(robots, sure, strict=True):
         assert not (is_sure and check_robot(robot))
         assert is_sure or robot is other

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from dh2urdf.columns import RobotColumns
+from dh2urdf.columns import RobotColumns, stacked
 from dh2urdf.robot import Box, Collision, Cylinder, Origin, Robot, Sphere
 from dh2urdf.stages import EmitsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
@@ -45,12 +45,12 @@ def touching(arm: Robot) -> Robot:
 
 
 @pytest.fixture
-def many(side_by_side: Callable[[Sequence[Any]], Any]) -> Callable[..., RobotColumns]:
+def many() -> Callable[..., RobotColumns]:
     """Robots of one structure, side by side."""
 
     def make(robots: Sequence[Robot], **more: Any) -> RobotColumns:
         together = {
-            "robot": side_by_side(robots),
+            "robot": stacked(robots),
             "names": tuple(robot.name for robot in robots),
             "comments": tuple(robot.comment for robot in robots),
             "sure": np.ones(len(robots), dtype=bool),

@@ -174,10 +174,10 @@ def test_what_is_too_large_ends_in_seconds(text: str, tmp_path: Path) -> None:
     """With an error of the table."""
     path = tmp_path / "arm.txt"
     path.write_text(text)
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(Dh2UrdfError):
         dh2urdf.read(path, convention="standard")
-    assert time.perf_counter() - start < 5.0
+    assert time.process_time() - start < 5.0
 
 
 @pytest.mark.parametrize(
@@ -191,14 +191,14 @@ def test_the_form_of_a_text_is_known_in_linear_time(unit: str) -> None:
         text = unit * count
         best = math.inf
         for _ in range(2):
-            start = time.perf_counter()
+            start = time.process_time()
             form_of(text.split("\n"))
             for form in ("markdown", "latex", "listing", "blanks"):
                 try:
                     all_tables(text, "", form)
                 except TableError:
                     continue
-            best = min(best, time.perf_counter() - start)
+            best = min(best, time.process_time() - start)
         return best
 
     assert seconds(20_000) < 25 * seconds(2_000) + 0.2

@@ -252,13 +252,3 @@ class TestArguments:
         given = {key: value for key, value in mapping.items() if value is not None}
         assert Manipulator.from_dh(list(self.ROW), payload=given, **how).payload == payload
         assert dh2urdf.read(UR5, payload=payload).payload == payload
-
-    def test_paths_of_a_mapping_start_at_the_working_directory(
-        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        """Inputs and output alike."""
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / "arm.csv").write_bytes(UR5.read_bytes())
-        report = dh2urdf.run({"inputs": "arm.csv", "output": {"directory": "made"}, "report": {"html": False}})
-        assert report["manipulators"][0]["files"][0]["path"] == "arm.urdf"
-        assert (tmp_path / "made" / "arm.urdf").is_file()

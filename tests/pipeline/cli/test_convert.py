@@ -94,13 +94,6 @@ class TestFiles:
         assert b'name="shoulder"' in expand(folder / "two.urdf.xacro")
         assert b'name="shoulder"' in expand(folder / "three.xacro")
 
-    def test_a_failure_leaves_it_alone(self, cli: Cli, folder: Path) -> None:
-        """A table that cannot be converted changes nothing."""
-        (folder / "bad.urdf").write_text("old")
-        cli("convert", "arms.csv", "--robot", "bad", "-o", "bad.urdf", status=2)
-        assert files(folder) == {"bad.urdf"}
-        assert (folder / "bad.urdf").read_text() == "old"
-
     @pytest.mark.parametrize("name", ["robots", "robots/", "new/"])
     def test_a_folder_takes_a_file_of_the_name_of_the_table(self, cli: Cli, folder: Path, name: str) -> None:
         """As it does of several tables, so that a pattern may match one."""

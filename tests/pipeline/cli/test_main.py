@@ -86,6 +86,20 @@ class TestDebug:
         with pytest.raises(LookupError):
             exit_status_of(["--debug", "plugins"])
 
+    def test_an_interrupt_names_who_was_at_work(
+        self, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        """Status 130, and what was noted on the way out."""
+
+        def interrupted() -> None:
+            error = KeyboardInterrupt()
+            error.add_note("emitter 'slow' of lab 1.0 was at work")
+            raise error
+
+        monkeypatch.setattr(dh2urdf.cli.listings, "catalog", interrupted)
+        assert exit_status_of(["plugins"]) == 130
+        assert "emitter 'slow' of lab 1.0 was at work" in capfd.readouterr().err
+
 
 class TestPipes:
     def test_a_closed_one_is_told(self, tmp_path: Path) -> None:

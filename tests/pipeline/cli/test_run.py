@@ -1,12 +1,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,70 +108,3 @@ class TestWords:
         cli("run", "arm.yaml", *(word for setting in words for word in ("--set", setting)))
         assert written(folder) == {"arm.urdf.xacro", "arm_macro.xacro", *reports}
         assert "dh frames" in (folder / "out" / "arm_macro.xacro").read_text("utf-8")
-
-
-# --- Interrupts -------------------------------------------------------------------------------------------------------
-
-EMITTER = """
-import os, time
-from pathlib import Path
-from dh2urdf.hookspecs import hookimpl
-from dh2urdf.stages import Emitter, NoOptions
-
-def slow(robot, stem, options):
-    Path(f"{stem}.begun").touch()
-    time.sleep(60)
-    return []
-
-@hookimpl
-def dh2urdf_emitters():
-    yield Emitter(name="slow", summary="misbehaves", emit=slow, options=NoOptions, suffixes=(".txt",))
-"""
-
-
-@pytest.fixture
-def lab(folder: Path) -> Path:
-    """A folder of a distribution with an emitter that takes its time, as pip would make it."""
-    metadata = folder / "site" / "lab-1.0.dist-info"
-    metadata.mkdir(parents=True)
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: lab\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("[dh2urdf]\nlab = lab_module\n")
-    (folder / "site" / "lab_module.py").write_text(EMITTER)
-    (folder / "slow.yaml").write_text("inputs: arm*.csv\nemitters: [urdf, slow]\noutput: {directory: out}\n")
-    return folder
-
-
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
-@pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
-def test_an_interrupt_is_told_in_one_line_and_leaves_nothing(lab: Path, number: signal.Signals, workers: int) -> None:
-    """Ctrl-C and SIGTERM, with one process and with several: status 130, no half of a file, no temporary one.
-
-    Where nothing is finished there is no journal either.
-    """
-    shutil.copy(lab / "arm.csv", lab / "arms.csv")  # two tables, one for each worker
-    with subprocess.Popen(
-        [
-            *(sys.executable, "-c", "from dh2urdf.cli import main; main()"),
-            *("run", "slow.yaml", "--workers", str(workers)),
-        ],
-        cwd=lab,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(lab / "site"), os.environ.get("PYTHONPATH", "")])},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as process:
-        patience = time.monotonic() + 60
-        while len(list(lab.glob("*.begun"))) < workers and time.monotonic() < patience:
-            time.sleep(0.02)
-        assert [path.name for path in (lab / "out").iterdir()] == [".dh2urdf"]
-        temporary = list((lab / "out" / ".dh2urdf" / "temporary").iterdir())
-        assert len(temporary) == workers + len(["that of the manifest"])
-        os.killpg(process.pid, number)
-        printed, said = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert printed == ""
-    who = "emitter 'slow' of lab 1.0 was at work; " if workers == 1 else ""  # workers know it of themselves
-    assert said == f"dh2urdf: interrupted; nothing half-written is left; {who}`--resume` goes on from there\n"
-    assert written(lab) == set()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from dh2urdf.errors import ProofError
-from dh2urdf.kinematics.expected_poses import ExpectedPoses, fractions, joint_vectors, proof_vectors
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors, proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
@@ -81,17 +81,6 @@ class TestJointVectors:
     def test_they_are_the_same_everywhere(self) -> None:
         """The vectors of a manipulator do not depend on how many are asked for."""
         assert joint_vectors(TRUTH, written(), 5) == joint_vectors(TRUTH, written(), 50)[:5]
-
-    def test_arms_of_as_many_joints_have_the_same(self) -> None:
-        """The vectors are fractions of the limits that depend on the number of joints alone."""
-        assert joint_vectors(ExpectedPoses.of(replace(TABLE, name="other")), written(), 9) == joint_vectors(
-            TRUTH, written(), 9
-        )
-        wider = replace(joint("turn"), limits=Limits(lower=-2.0, upper=4.0))
-        turns = [q[0] for q in joint_vectors(TRUTH, written(), 9)]
-        assert [q[0] for q in joint_vectors(TRUTH, written(turn=wider), 9)] == [2 * turn for turn in turns]
-        ones = [u for (u,) in fractions(1, 8)]
-        assert ones != [u for u, _ in fractions(2, 8)]
 
     def test_a_proof_also_tries_zero_and_both_ends(self) -> None:
         """A proof tries zero, also where the limits do not allow it, the lower ends and the upper ends."""

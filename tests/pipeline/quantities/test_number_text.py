@@ -79,13 +79,6 @@ def test_columns_are_formatted_as_their_numbers_are(columns: list[list[float]]) 
         assert isinstance(entry, bytes) is (len(set(column)) == 1)
 
 
-def test_equal_columns_share_their_texts() -> None:
-    """A number that is in a file twice is formatted once."""
-    entries, rows = format_rows([np.array([0.5, 1.5]), np.array([0.5, 1.5]), np.array([0.5, 2.0])])
-    assert entries == [0, 0, 1]
-    assert list(rows) == [[b"0.5", b"0.5"], [b"1.5", b"2"]]
-
-
 def test_many_rows_are_formatted_as_a_few_are() -> None:
     """Rows beyond those of one call follow those before."""
     numbers = np.arange(200.0) / 3.0

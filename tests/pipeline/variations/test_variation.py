@@ -239,21 +239,6 @@ class TestTables:
 
 
 class TestImpossible:
-    def test_exchanged_bounds_fail_alone(self) -> None:
-        """The reason names the joint, both bounds and the rule; the other variants are made."""
-        some = variation(rule("lower", Uniform(low=-2.0, high=4.0), "pan"), count=30)
-        values, failed = [float(each["lower_1"]) for each in drawn(some)], []
-        for number, lower in enumerate(values, 1):
-            try:
-                assert made(some, number).rows[0].limits.lower == lower
-            except ManipulatorError as error:
-                failed.append(lower)
-                (problem,) = error.problems
-                assert (problem.code, problem.joint) == ("drawn-limits-exchanged", "pan")
-                assert problem.mark == WHERE
-        assert failed == [lower for lower in values if lower > 1.0]
-        assert 0 < len(failed) < 30
-
     @pytest.mark.parametrize(
         ("field", "law"),
         [

@@ -42,64 +42,25 @@ class Group(NamedTuple):
     count: int = 60
 
 
+def _modules(folder: Path, names: str = "*") -> tuple[Path, ...]:
+    return tuple(
+        sorted(path for name in names.split() for path in folder.glob(f"{name}.py") if path.stem != "__init__")
+    )
+
+
 GROUPS = {
-    "kinematics": Group(
-        tuple(HOST / "kinematics" / f"{name}.py" for name in ("walk/__init__", "chain", "proof")),
-        tuple(
-            f"tests/pipeline/kinematics/test_{name}.py"
-            for name in ("joint_motion", "chain", "walk", "proof", "proof_of_many")
-        ),
-    ),
+    "kinematics": Group(_modules(HOST / "kinematics", "chain proof walk"), ("tests/pipeline/kinematics",)),
     "transforms": Group(
-        tuple(PLUGINS / "transforms" / f"{name}.py" for name in ("alpha_swap", "exact", "frames", "assembly")),
-        tuple(
-            f"tests/plugins/transforms/test_{name}.py"
-            for name in ("exact", "shapes", "paper", "assembly", "formulas", "columns")
-        ),
+        _modules(PLUGINS / "transforms", "alpha_swap assembly exact frames"), ("tests/plugins/transforms",)
     ),
     "read_back": Group(
-        tuple(PLUGINS / "formats" / "urdf" / f"{name}.py" for name in ("forms", "scanner")),
+        _modules(PLUGINS / "formats" / "urdf", "forms scanner"),
         ("tests/plugins/test_urdf_scanner.py", "tests/pipeline/kinematics/test_proof_of_many.py"),
     ),
-    "readers": Group(
-        (
-            *sorted((PLUGINS / "readers" / "plain").glob("*.py")),
-            *(PLUGINS / "readers" / "header" / f"{name}.py" for name in ("columns", "units", "words")),
-            *(PLUGINS / "readers" / "words" / f"{name}.py" for name in ("cells", "comment_lines")),
-            PLUGINS / "readers" / "rows" / "cells.py",
-        ),
-        tuple(
-            f"tests/plugins/readers/test_{name}.py"
-            for name in (
-                "headers",
-                "plain_rows",
-                "table_units",
-                "comments",
-                "decimal_signs",
-                "table",
-                "csv",
-                "messages",
-            )
-        ),
-        200,
-    ),
-    "check": Group(
-        (*sorted(CHECK.glob("*.py")),),
-        tuple(
-            f"tests/check/test_{name}.py" for name in ("rules", "inspection", "models", "sdf_values", "plausibility")
-        ),
-        100,
-    ),
-    "settings": Group(
-        tuple(sorted((HOST / "run_file").glob("*.py"))),
-        ("tests/pipeline/run_file",),
-        100,
-    ),
-    "editing": Group(
-        tuple(sorted((STUDIO / "editing").glob("*.py"))),
-        ("tests/studio/editing",),
-        50,
-    ),
+    "readers": Group(_modules(PLUGINS / "readers", "header/* plain/* rows/* words/*"), ("tests/plugins/readers",), 200),
+    "check": Group(_modules(CHECK), ("tests/check/test_rules.py", "tests/check"), 100),
+    "settings": Group(_modules(HOST / "run_file"), ("tests/pipeline/run_file",), 100),
+    "editing": Group(_modules(STUDIO / "editing"), ("tests/studio/editing",), 50),
 }
 SECONDS = 120
 """Of processor time for the tests of one mutant: one that takes longer runs for ever."""

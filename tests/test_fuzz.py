@@ -82,3 +82,11 @@ def test_the_oracle_notices_another_sum(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(targets, "evaluate", lambda *_arguments, **_options: Quantity(3.0000000000000004))
     with pytest.raises(targets.Broken, match="and Python says 3"):
         targets.TARGETS["expression"](b"1 + 2")
+
+
+def test_every_group_of_mutants_has_modules_and_tests() -> None:
+    """What `fuzz/mutants.py` changes, and what is to notice it, is there."""
+    mutants = load("mutants")
+    for group in mutants.GROUPS.values():
+        assert group.modules
+        assert all((mutants.ROOT / test).exists() for test in group.tests)

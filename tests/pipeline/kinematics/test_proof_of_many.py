@@ -301,14 +301,14 @@ PLAIN = many(4)
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "code"),
     [
-        (b'name="joint_1"', b'name="other"', "the written chain moves the joints joint_0, other, joint_2, joint_4"),
-        (b'"joint_2" type="prismatic"', b'"joint_2" type="fixed"', "moves the joints joint_0, joint_1, joint_4, the"),
-        (b'<child link="tool0"/>', b'<child link="tip"/>', "robot 'arm_2' has no chain from link 'base_link' to link"),
+        (b'name="joint_1"', b'name="other"', "other-joints-move"),
+        (b'"joint_2" type="prismatic"', b'"joint_2" type="fixed"', "other-joints-move"),
+        (b'<child link="tool0"/>', b'<child link="tip"/>', "no-way"),
     ],
 )
-def test_a_chain_that_does_not_match_fails_alone(old: bytes, new: bytes, message: str) -> None:
+def test_a_chain_that_does_not_match_fails_alone(old: bytes, new: bytes, code: str) -> None:
     """What does not have the table's moving joints is an error with the name of its arm; the others are proved."""
     robots = [made(table) for table in PLAIN]
     files = [urdf(robot) for robot in robots]
@@ -316,14 +316,10 @@ def test_a_chain_that_does_not_match_fails_alone(old: bytes, new: bytes, message
         assert old in files[member]
         files[member] = files[member].replace(old, new)
     proofs = proved(PLAIN, robots, files)
-    error = proofs[2]
-    assert isinstance(error, ProofError)
-    assert message in str(error)
-    assert error.problems[0].robot == "arm_2"
-    assert isinstance(proofs[1], ProofError)
-    assert proofs[1].problems[0].robot == "arm_1"
-    assert isinstance(proofs[0], Proof)
-    assert isinstance(proofs[3], Proof)
+    for member, proof in enumerate(proofs):
+        assert isinstance(proof, ProofError if member in (1, 2) else Proof)
+        if isinstance(proof, ProofError):
+            assert (proof.problems[0].code, proof.problems[0].robot) == (code, f"arm_{member}")
 
 
 def test_what_is_not_a_number_is_an_infinite_error() -> None:

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def drake_frames(path: Path) -> Any:
-    """T(world → frame) by Drake, as a function of the joint values and the frame's name."""
+def drake_plant(path: Path) -> Any:
+    """What Drake makes of a file."""
     pytest.importorskip("pydrake")
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
@@ -20,6 +20,12 @@ def drake_frames(path: Path) -> Any:
     plant = MultibodyPlant(0.001)
     Parser(plant).AddModels(str(path))
     plant.Finalize()
+    return plant
+
+
+def drake_frames(path: Path) -> Any:
+    """T(world → frame) by Drake, as a function of the joint values and the frame's name."""
+    plant = drake_plant(path)
     context = plant.CreateDefaultContext()
 
     def frame(values: dict[str, float], name: str) -> np.ndarray:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from xml.etree import ElementTree as ET
 
 import pytest
+from drake_frames import drake_plant
 
 import dh2urdf_plugins.formats.urdf
 from dh2urdf.errors import EmitterError
@@ -195,18 +196,12 @@ def test_gazebo(ur5: Robot, write: Write, tmp_path: Path) -> None:
     command = shutil.which("gz") or shutil.which("ign")
     if command is None:
         pytest.skip("sdformat is not installed (Debian: libsdformat-dev, ignition-tools)")
-    pytest.importorskip("pydrake")
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import MultibodyPlant
-
     free = {}
     for profile in ("portable", "gazebo"):
         done = subprocess.run([command, "sdf", "-p", str(write(ur5, profile))], capture_output=True, check=True)
         path = tmp_path / f"{profile}.sdf"
         path.write_bytes(done.stdout)
-        plant = MultibodyPlant(0.001)
-        Parser(plant).AddModels(str(path))
-        plant.Finalize()
+        plant = drake_plant(path)
         free[profile] = plant.num_velocities() - len(ur5.moving_joints)
     assert free == {"portable": 6, "gazebo": 0}
 
@@ -277,17 +272,11 @@ def test_names_that_coppeliasim_changes(ur5: Robot, write: Write) -> None:
 
 def test_drake(ur5: Robot, write: Write, caplog: pytest.LogCaptureFixture) -> None:
     """Every joint has an actuator with its effort, and Drake logs nothing; of the portable file it knows no effort."""
-    pytest.importorskip("pydrake")
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import MultibodyPlant
-
     efforts, logged = {}, {}
     for profile in ("portable", "drake"):
         caplog.clear()
-        plant = MultibodyPlant(0.001)
         with caplog.at_level(logging.INFO, "drake"):
-            Parser(plant).AddModels(str(write(ur5, profile)))
-        plant.Finalize()
+            plant = drake_plant(write(ur5, profile))
         actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
         efforts[profile] = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
         logged[profile] = [record.getMessage() for record in caplog.records if record.name.startswith("drake")]

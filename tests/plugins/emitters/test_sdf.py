@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from drake_frames import drake_plant
 from lxml import etree
 from sdformat_calls import sdformat
 
@@ -52,21 +53,11 @@ def test_sdformat_takes_published_arms(reference_robot: Any, tmp_path: Path) -> 
     assert sum(float(mass.text) for mass in model.iter("mass")) == pytest.approx(robot.mass, rel=1e-14)
 
 
-def drake(path: Path) -> tuple[Any, Any]:
-    pytest.importorskip("pydrake")
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import MultibodyPlant
-
-    plant = MultibodyPlant(0.001)
-    Parser(plant).AddModels(str(path))
-    plant.Finalize()
-    return plant, plant.CreateDefaultContext()
-
-
 def test_drake_has_published_arms(reference_robot: Any, tmp_path: Path) -> None:
     """Drake puts tool0 where the publisher computed it, and has an actuator with the effort for every joint."""
     robot = robot_of(reference_robot.manipulator)
-    plant, context = drake(write(robot, tmp_path))
+    plant = drake_plant(write(robot, tmp_path))
+    context = plant.CreateDefaultContext()
     base, tool0 = plant.GetFrameByName("base_link"), plant.GetFrameByName("tool0")
     names = [joint.name for joint in robot.moving_joints]
     places = [plant.GetJointByName(name).position_start() for name in names]
@@ -89,10 +80,9 @@ def test_it_stands_in_the_world_unless_told_otherwise(reference_robots: Any, tmp
     assert (joint.get("type"), joint.findtext("parent")) == ("fixed", "world")
     assert "world" not in free
     assert sdformat("--check", write(robot, tmp_path, fixed=False)).strip() == "Valid."
-    plant, _ = drake(write(robot, tmp_path, fixed=False))
-    assert plant.num_velocities() == len(robot.moving_joints) + 6
-    plant, _ = drake(write(robot, tmp_path))
-    assert plant.num_velocities() == len(robot.moving_joints)
+    for fixed, free in ((False, 6), (True, 0)):
+        plant = drake_plant(write(robot, tmp_path, fixed=fixed))
+        assert plant.num_velocities() == len(robot.moving_joints) + free
 
 
 def test_a_root_with_mass_is_a_link(arm: Robot) -> None:
@@ -111,7 +101,8 @@ def test_a_cell_is_one_model(cli: Callable[..., Any], tmp_path: Path) -> None:
     assert sdformat("--check", path).strip() == "Valid."
     frames = [frame.get("name") for frame in etree.fromstring(sdformat("--print", path).encode()).iter("frame")]
     assert len([name for name in frames if name.endswith("tool0")]) == 2
-    plant, context = drake(path)
+    plant = drake_plant(path)
+    context = plant.CreateDefaultContext()
     from dh2urdf.kinematics import KinematicChain
 
     reads = EMITTER.can(ReadsBack)

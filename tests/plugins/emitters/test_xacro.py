@@ -85,39 +85,23 @@ def test_a_name_that_xacro_could_take_for_a_number_stays_what_it_is(arm: Robot, 
 
 
 def test_a_parent_gives_a_mounting_joint_with_the_origin(arm: Robot, tmp_path: Path) -> None:
-    """The arm hangs on the caller's link, whose name is not prefixed."""
-    write(arm, tmp_path)
-    robot = scene(
-        tmp_path,
-        """<xacro:include filename="arm_macro.xacro"/><link name="world"/>
-        <xacro:arm prefix="left_" parent="world"><origin xyz="0 0.5 1" rpy="0 0 ${pi/2}"/></xacro:arm>""",
-    )
-    mounting = robot.joints[0]
-    assert (mounting.name, mounting.type) == ("left_base_joint", JointType.FIXED)
-    assert (mounting.parent, mounting.child) == ("world", "left_base_link")
-    assert (mounting.origin.xyz, mounting.origin.rpy) == ((0, 0.5, 1), (0, 0, math.pi / 2))
-    assert len(robot.joints) == len(arm.joints) + 1
-
-
-def test_a_call_without_a_block_takes_a_placement(arm: Robot, tmp_path: Path) -> None:
-    """As a call with a block, or at the parent's own place; a prefix is not needed."""
-    write(arm, tmp_path)
+    """The arm hangs on the caller's link, whose name is not prefixed: by a block, by numbers, or by the file to open."""
+    place = {"prefix": "a_", "parent": "world", "xyz": "0 0.5 1", "rpy": "0 0 ${pi/2}"}
+    top = write(arm, tmp_path)
     include = '<xacro:include filename="arm_macro.xacro"/><link name="world"/>'
     block = '<xacro:arm prefix="a_" parent="world"><origin xyz="0 0.5 1" rpy="0 0 ${pi/2}"/></xacro:arm>'
     call = '<xacro:arm_at prefix="a_" parent="world" xyz="0 0.5 1" rpy="0 0 ${pi/2}"/>'
-    assert scene(tmp_path, include + call) == scene(tmp_path, include + block)
+    robot, opened = scene(tmp_path, include + block), parse_urdf(expand(top, place | {"rpy": "0 0 0.5"}), "arm")
+    assert scene(tmp_path, include + call) == robot
+    for found, yaw in ((robot, math.pi / 2), (opened, 0.5)):
+        mounting = found.joints[0]
+        assert (mounting.name, mounting.type) == ("a_base_joint", JointType.FIXED)
+        assert (found.root, mounting.parent, mounting.child) == ("world", "world", "a_base_link")
+        assert (mounting.origin.xyz, mounting.origin.rpy) == ((0, 0.5, 1), (0, 0, yaw))
+        assert len(found.joints) == len(arm.joints) + 1
     mounting = scene(tmp_path, f'{include}<xacro:arm_at parent="world"/>').joints[0]
     assert (mounting.child, mounting.origin.xyz, mounting.origin.rpy) == ("base_link", (0, 0, 0), (0, 0, 0))
-
-
-def test_the_file_to_open_mounts_the_arm_where_its_arguments_say(arm: Robot, tmp_path: Path) -> None:
-    """On a link of their name; without them, base_link is the root."""
-    place = {"prefix": "a_", "parent": "world", "xyz": "1 2 3", "rpy": "0 0 0.5"}
-    robot = parse_urdf(expand(write(arm, tmp_path), place), "arm")
-    mounting = robot.joints[0]
-    assert (robot.root, mounting.parent, mounting.child) == ("world", "world", "a_base_link")
-    assert (mounting.origin.xyz, mounting.origin.rpy) == ((1, 2, 3), (0, 0, 0.5))
-    assert parse_urdf(expand(tmp_path / "arm.urdf.xacro"), "arm").root == "base_link"
+    assert parse_urdf(expand(top), "arm").root == "base_link"
 
 
 def test_the_mounting_joint_takes_no_name_of_the_table(arm: Robot, tmp_path: Path) -> None:

@@ -77,12 +77,14 @@ def refusal(peer: Any, request: LoadRequest) -> LoaderError:
     return caught.value
 
 
-def test_links_without_mass_weigh_a_kilogram(peer: Any, request_for: Any) -> None:
-    """The importer reads no mass of 0: tool0 weighs 1 kg, which the total says, and a finding."""
+def test_what_it_has_otherwise_is_a_finding(peer: Any, request_for: Any) -> None:
+    """The importer reads no mass of 0: tool0 weighs 1 kg; links without collision are static, but for the base, which shall."""
     report = run(peer, request_for())
     assert report.mass == pytest.approx(6.7 + 1.0)
     (finding,) = [finding for finding in report.findings if "without mass" in finding.message]
     assert (finding.severity, "'tool0' (1 kg)" in finding.message) == ("notice", True)
+    (finding,) = [finding for finding in report.findings if "static" in finding.message]
+    assert finding.message.endswith("'forearm', 'hand'")
 
 
 def test_frame_without_inertial_weighs_nothing(peer: Any, request_for: Any, planar: Any, planar_urdf: str) -> None:
@@ -93,12 +95,6 @@ def test_frame_without_inertial_weighs_nothing(peer: Any, request_for: Any, plan
     report = run(peer, request_for(text, type(planar.robot)(name="planar", links=links, joints=planar.robot.joints)))
     assert report.mass == pytest.approx(6.7)
     assert not [finding for finding in report.findings if "without mass" in finding.message]
-
-
-def test_link_without_collision_is_static(peer: Any, request_for: Any) -> None:
-    """Links that CoppeliaSim holds static are a finding; the base, which shall stand still, is none."""
-    (finding,) = [finding for finding in run(peer, request_for()).findings if "static" in finding.message]
-    assert finding.message.endswith("'forearm', 'hand'")
 
 
 def test_importer_is_asked_for_the_arm_as_it_is(peer: Any, request_for: Any) -> None:

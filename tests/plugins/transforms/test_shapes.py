@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
@@ -19,11 +18,10 @@ from dh2urdf.rotations import (
     cross,
     norm,
     rotate,
-    rotation_from_rpy,
     scale,
     subtract,
 )
-from dh2urdf_plugins.transforms.shapes import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE, direction_rpy
+from dh2urdf_plugins.transforms.shapes import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -214,12 +212,3 @@ def test_an_arm_has_a_housing_at_each_joint(frames: str, convention: str, table:
 
 def housing_caps(visuals: tuple[Visual, ...], r: float) -> list[Visual]:
     return [visual for visual in visuals if getattr(visual.geometry, "radius", 0) == CAP * r]
-
-
-@given(st.floats(-1.6, 1.6), st.floats(-3.2, 3.2))
-def test_a_direction_has_two_angles(elevation: float, azimuth: float) -> None:
-    """A body turned by them lies along the direction, one way round or the other."""
-    c = math.cos(elevation)
-    direction = (c * math.cos(azimuth), c * math.sin(azimuth), math.sin(elevation))
-    along = rotate(rotation_from_rpy(direction_rpy(direction)), Z_AXIS)
-    assert abs(sum(a * b for a, b in zip(along, direction, strict=True))) == pytest.approx(1, abs=1e-14)

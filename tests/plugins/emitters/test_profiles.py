@@ -20,7 +20,7 @@ from drake_frames import drake_plant
 
 import dh2urdf_plugins.formats.urdf
 from dh2urdf.errors import EmitterError
-from dh2urdf.stages import GivesNotices, LoadRequest, ReadsBack
+from dh2urdf.stages import GivesNotices, ReadsBack
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF, ProfileName
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, Profile
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
@@ -28,7 +28,7 @@ from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.robot import Robot
 
@@ -206,49 +206,27 @@ def test_gazebo(ur5: Robot, write: Write, tmp_path: Path) -> None:
     assert free == {"portable": 6, "gazebo": 0}
 
 
-@pytest.fixture
-def coppeliasim(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """A peer that imports as the source of CoppeliaSim's importer does."""
-    pytest.importorskip("coppeliasim_zmqremoteapi_client")
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "loaders"))
-    from coppeliasim_peer import Peer
+def test_coppeliasim_gets_what_it_reads(ur5: Robot, write: Write) -> None:
+    """No axis is -z, every material has its colour where it is used, each body touches, and no frame has an inertial.
 
-    with Peer() as peer:
-        yield peer
-
-
-def test_coppeliasim(reference_robots: Sequence[Any], write: Write, coppeliasim: Any) -> None:
-    """No frame weighs a kilogram, and no link stands still, as they do by the portable file."""
-    from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
-
-    manipulator = next(robot for robot in reference_robots if robot.id == "rtb_Puma560").manipulator
-    puma = TRANSFORM.transform(manipulator, TRANSFORM.options())  # Its axes and limits are read right in any file.
-    links = tuple(replace(link, collisions=()) if link.name == "link_5" else link for link in puma.links)
-    robot = replace(puma, links=links)
-    found, masses = {}, {}
-    for profile in ("portable", "coppeliasim"):
-        request = LoadRequest(path=write(robot, profile), robot=robot, poses=(), expected={})
-        report = LOADERS[-1].open(request, CoppeliaSimOptions(host="127.0.0.1", port=coppeliasim.port))
-        found[profile] = " ".join(problem.message for problem in report.findings)
-        masses[profile] = report.mass
-    assert "static" in found["portable"]
-    assert "'link_5'" in found["portable"]
-    assert "'tool0'" in found["portable"]
-    assert "'link_5'" not in found["coppeliasim"]
-    assert "'tool0'" not in found["coppeliasim"]
-    assert masses["portable"] == pytest.approx(robot.mass + 2.0)
-    assert masses["coppeliasim"] == pytest.approx(robot.mass)
-
-
-def test_coppeliasim_gets_axes_and_colours_that_it_reads(ur5: Robot, write: Write) -> None:
-    """No axis is exactly -z, and every material has its colour where it is used."""
-    axes, colours = {}, {}
+    Of others a frame weighs a kilogram there, and a body stands still: `tests/plugins/loaders/test_coppeliasim_arms.py`.
+    """
+    ur5 = replace(ur5, links=tuple(replace(link, collisions=()) for link in ur5.links))
+    axes, colours, odd = {}, {}, {}
     for profile in ("portable", "coppeliasim"):
         tree = ET.parse(write(ur5, profile)).getroot()  # noqa: S314
         axes[profile] = {axis.get("xyz") for axis in tree.iter("axis")}
+        odd[profile] = {
+            link.get("name")
+            for link in tree.iter("link")
+            if (mass := link.find("inertial/mass")) is not None
+            and (link.find("collision") is None or not float(mass.get("value")))
+        }
         colours[profile] = [material.find("color") is not None for material in tree.findall("link/visual/material")]
     assert "0 0 -1" in axes["portable"]
     assert axes["coppeliasim"] == axes["portable"] - {"0 0 -1"} | {"1e-30 0 -1"}
+    assert {"link_5", "tool0"} <= odd["portable"]
+    assert odd["coppeliasim"] == {"base_link_inertia"}
     assert not any(colours["portable"])
     assert all(colours["coppeliasim"])
     assert len(colours["coppeliasim"]) == len(colours["portable"]) > 0

@@ -142,12 +142,6 @@ def renamed(robot: Robot, old: str, new: str) -> Robot:
     )
 
 
-def test_names_are_written_as_they_are_in_utf8(arm: Robot) -> None:
-    """A person reads the name in the file; only what XML itself uses is escaped."""
-    text = urdf(renamed(arm, "tool0", "Größe 机械臂 <&>\"' ]]> ${x}"))
-    assert '<child link="Größe 机械臂 &lt;&amp;&gt;&quot;\' ]]&gt; ${x}"/>' in text
-
-
 def test_a_comment_ends_where_it_should(arm: Robot) -> None:
     """Two hyphens and control characters, which a path may hold, do not end or garble the comment."""
     text = urdf(replace(arm, comment="from ----><robot> \x1b[2J\n--"))

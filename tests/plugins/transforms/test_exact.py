@@ -217,14 +217,8 @@ def test_the_ur5_reads_like_one_that_a_person_wrote(ur5: Manipulator) -> None:
         (0.0, -0.10915, 0.0),
         (0.0, 0.0, -0.09465),
     ]
-    assert [joint.axis for joint in robot.moving_joints] == [
-        (0.0, 0.0, 1.0),
-        (0.0, -1.0, 0.0),
-        (0.0, -1.0, 0.0),
-        (0.0, -1.0, 0.0),
-        (0.0, 0.0, -1.0),
-        (0.0, -1.0, 0.0),
-    ]
+    y, z = (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
+    assert [joint.axis for joint in robot.moving_joints] == [z, y, y, y, (0.0, 0.0, -1.0), y]
     assert robot.moving_joints[2].origin.xyz_formula == ("a_2", "-d_2", "0")
     assert robot.moving_joints[4].origin.xyz_formula == ("a_4", "-d_4", "0")
 

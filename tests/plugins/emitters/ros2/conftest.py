@@ -37,3 +37,19 @@ def package(tmp_path: Path) -> Callable[..., tuple[Path, Robot, Manipulator]]:
         return top / files[0].name.partition("/")[0], robot, manipulator
 
     return written
+
+
+@pytest.fixture
+def cell() -> str:
+    """A run file: an arm on a track, and one of the same kind beside them."""
+    return f"""
+inputs: [{TABLES}/ur5.csv, {TABLES}/track.csv]
+transform: {{stage: alpha-swap, options: {{frames: dh}}}}
+cells:
+  - name: workshop
+    arms:
+      - {{name: track, of: track}}
+      - {{name: rider, of: ur5, prefix: r_, parent: track/tool0, xyz: [0, 0, 50 mm]}}
+      - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0], rpy: [0, 0, pi]}}
+emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
+"""

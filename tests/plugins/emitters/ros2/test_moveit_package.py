@@ -27,16 +27,6 @@ pytest.importorskip("pinocchio")
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
 OPTIONS = Ros2Options(moveit=True, trials=300)
 FORMAT = etree.RelaxNG(etree.parse(Path(__file__).with_name("package_format3.rng")))
-CELL = f"""
-inputs: [{TABLES}/ur5.csv, {TABLES}/track.csv]
-cells:
-  - name: workshop
-    arms:
-      - {{name: track, of: track}}
-      - {{name: rider, of: ur5, prefix: r_, parent: track/tool0}}
-      - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0]}}
-emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
-"""
 
 
 def moveit_folder(description: Path) -> Path:
@@ -64,8 +54,8 @@ def ur5(package: Any) -> Path:
 
 
 @pytest.fixture
-def workshop(cli: Cli, tmp_path: Path) -> Path:
-    (tmp_path / "run.yaml").write_text(CELL)
+def workshop(cli: Cli, tmp_path: Path, cell: str) -> Path:
+    (tmp_path / "run.yaml").write_text(cell)
     cli("run", tmp_path / "run.yaml", "-o", tmp_path / "src")
     return tmp_path / "src" / "workshop_moveit_config"
 
@@ -232,15 +222,6 @@ def test_package_xml_has_the_form_of_rep_149(package: Any, hardware: Any) -> Non
     needed = [each.text for each in document.findall("exec_depend")]
     assert "ur5_description" in needed
     assert ("controller_manager" in needed) is (hardware == "mock")
-
-
-def test_the_same_bytes_twice(package: Any) -> None:
-    """The collision pairs come from a seed, and the file of the setup assistant has no time."""
-    first, second = (
-        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-        for folder in (moveit_folder(package("panda.yaml", "dh", OPTIONS)[0]) for _ in range(2))
-    )
-    assert first == second
 
 
 # --- Launch files, executed against a recorder of the names that they use; the packages themselves are in ROS 2 alone

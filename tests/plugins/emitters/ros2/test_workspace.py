@@ -26,17 +26,6 @@ if TYPE_CHECKING:
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
 SYSTEM_PYTHON = "/usr/bin/python3"
 """The interpreter that Debian's ament and colcon are installed for."""
-CELL = """
-inputs: [{tables}/ur5.csv, {tables}/track.csv]
-transform: {{stage: alpha-swap, options: {{frames: dh}}}}
-cells:
-  - name: workshop
-    arms:
-      - {{name: track, of: track}}
-      - {{name: rider, of: ur5, prefix: r_, parent: track/tool0, xyz: [0, 0, 50 mm]}}
-      - {{name: fixed, of: ur5, prefix: f_, xyz: [-1.5, 0, 0], rpy: [0, 0, pi]}}
-emitters: [{{stage: ros2, options: {{moveit: true, trials: 300}}}}]
-"""
 
 
 def has_ament() -> bool:
@@ -65,13 +54,13 @@ def modules(tmp_path: Path) -> Path:
 
 @pytest.mark.long
 @needs_ament
-def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path) -> None:
+def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path, cell: str) -> None:
     """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
     source = tmp_path / "src"
     for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
         cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "--set", "moveit=true", "-o", source)
     run_file = tmp_path / "cell.yaml"
-    run_file.write_text(CELL.format(tables=TABLES))
+    run_file.write_text(cell)
     cli("run", run_file, "-o", source / "made")
     cli("run", TABLES.parent / "ros2_cell.yaml", "-o", tmp_path / "example")
     for package in (tmp_path / "example").glob("two_arms_*"):  # The run writes the packages of a single UR5, too.

@@ -15,7 +15,7 @@ from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
 from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
-from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
+from dh2urdf_plugins.formats.mjcf.home_contacts import _distance, touching_at_home
 from dh2urdf_plugins.formats.mjcf.writer import DEEPEST
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import gravity_loads
@@ -359,3 +359,25 @@ def test_folded_arms_touch_nothing_at_home(reference_robot: Any) -> None:
         assert ("link_2", "link_4") in touching_at_home(robot)
     if reference_robot.id == "kst_iiwa_14R820":
         assert touching_at_home(robot) == []
+
+
+CAPSULE = '<body pos="{}"><freejoint/><geom name="{}" type="capsule" fromto="{}" size="{}"/></body>'
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_capsules_are_as_far_apart_as_in_mujoco(seed: int) -> None:
+    """The distance of two capsules that do not overlap, in any position."""
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    capsules = []
+    for shift in (0.0, 1.5):
+        start, end = ([draw.uniform(-0.5, 0.5) + shift for _ in range(3)] for _ in range(2))
+        capsules.append((tuple(start), tuple(end), draw.uniform(0.01, 0.1)))
+    bodies = [
+        CAPSULE.format("0 0 0", name, " ".join(map(repr, (*start, *end))), radius)
+        for name, (start, end, radius) in zip("ab", capsules, strict=True)
+    ]
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{''.join(bodies)}</worldbody></mujoco>")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    found = mujoco.mj_geomDistance(model, data, 0, 1, 10.0, None)
+    assert _distance(*capsules) == pytest.approx(found, abs=1e-6)  # type: ignore[arg-type]

@@ -96,8 +96,8 @@ def write(screenshot: bytes, path: Path) -> None:
     from PIL import Image
 
     picture = Image.open(io.BytesIO(screenshot)).convert("RGB")
-    counted = picture.getcolors(picture.width * picture.height)
-    colours = [colour for count, colour in counted for _ in range(round(count**0.35))]
+    counted: Any = picture.getcolors(picture.width * picture.height)
+    colours: Any = [colour for count, colour in counted for _ in range(round(count**0.35))]
     sample = Image.new("RGB", (len(colours), 1))
     sample.putdata(colours)
     palette = sample.quantize(256, kmeans=4)

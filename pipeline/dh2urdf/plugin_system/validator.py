@@ -34,7 +34,10 @@ Keys: TypeAlias = tuple[str | int, ...]
 """Keys and indices that lead from a record to a value in it."""
 
 TOLD_BY_TYPE = frozenset(
-    "string_type literal_error enum missing greater_than greater_than_equal less_than less_than_equal".split()  # noqa: SIM905
+    (
+        *("string_type", "literal_error", "enum", "missing"),
+        *("greater_than", "greater_than_equal", "less_than", "less_than_equal"),
+    )
 )
 """Errors of pydantic about which the words for the type say enough."""
 REFUSED = frozenset({"value_error", "assertion_error"})

@@ -102,7 +102,7 @@ class TestLeavingOut:
         assert any(plugin.is_of("other") for plugin in found.plugins)
 
     def test_a_name_that_nobody_has(self, site: Path, install: Callable[..., None]) -> None:
-        """All such names are told at once."""
+        """All such names are reported at once."""
         install(site, "lab-tools", READER, plugin="first")
         with pytest.raises(ConfigError) as caught:
             installed(["lab-tool", "zzz"])

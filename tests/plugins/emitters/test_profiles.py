@@ -233,7 +233,7 @@ def test_coppeliasim_gets_what_it_reads(ur5: Robot, write: Write) -> None:
 
 
 def test_names_that_coppeliasim_changes(ur5: Robot, write: Write) -> None:
-    """Those of which an API call needs the other name are told; two joints of one name there cannot be told apart."""
+    """Names that an API call must write otherwise are reported; two joints of one name there cannot be distinguished."""
     options, gives = URDF.options(profile="coppeliasim"), URDF.can(GivesNotices)
 
     def renamed(names: dict[str, str]) -> Robot:

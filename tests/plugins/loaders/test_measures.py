@@ -148,7 +148,7 @@ def test_every_difference_is_told_at_once(comparison: Comparison) -> None:
 
 
 def test_hold_names_the_joint_that_moved_most(comparison: Comparison) -> None:
-    """The largest displacement is told with its joint; an arm that flew apart moved without end."""
+    """The largest displacement is reported with its joint; an arm that flew apart moved without end."""
     start = (0.0, 0.0, 0.05, 0.0)
     hold, findings = comparison.hold(start, [0.0, 0.002, 0.001, 0.0], [])
     assert (hold["stayed"], hold["joint"], hold["largest_displacement"], findings) == (True, "elbow", 0.002, ())

@@ -43,7 +43,10 @@ KEYS = (*STATEMENTS, "visuals", "collisions", "joints")
 """Keys of a manipulator."""
 NOT_IN_A_JOINT = ("robot", "convention")
 """Fields that a table of one manipulator has no column for."""
-_JOINTS = "joints dh_parameters dh_params dh_table dh links parameters params rows table chain".split()  # noqa: SIM905
+_JOINTS = (
+    "joints",
+    *("dh_parameters", "dh_params", "dh_table", "dh", "links", "parameters", "params", "rows", "table", "chain"),
+)
 """What the joints are called, in dh2urdf and in other programs."""
 _UNIT_KEYS = {f"{kind}_{word}": kind for kind in ("length", "angle") for word in ("unit", "units")}
 _UNIT_KEYS |= {f"{word}_{kind}": kind for kind in ("length", "angle") for word in ("unit", "units")}
@@ -168,8 +171,8 @@ class Document:
         defaults = self.said.get("defaults")
         if defaults is not None and isinstance(defaults.value, dict):  # fields of joints are common to all joints
             named = {key for key in defaults.value if _field(key) not in (None, "index", "joint", "link")}
-            for key in defaults.value:
-                self.common |= self._values(defaults, key, defaults.value[key]) if key in named else {}
+            for key in (key for key in defaults.value if key in named):
+                self.common |= self._values(defaults, key, defaults.value[key])
             others = {key: node for key, node in defaults.value.items() if key not in named}
             self.said["defaults"] = replace(defaults, value=others)
 

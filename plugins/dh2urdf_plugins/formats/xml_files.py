@@ -15,12 +15,12 @@ from dh2urdf.columns import LIMITS
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JOINT_TYPES, JointType, new_limits
-from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Origin, Sphere, new_collision, new_visual
+from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Origin, Sphere, new_collision, new_joint, new_visual
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, RigidTransform, rotation_from_quaternion
 from dh2urdf.source import Mark, Messages, Problem, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Collision, Geometry, Material, Robot, Visual
@@ -50,11 +50,7 @@ FILE = "{urn:dh2urdf}file"
 
 
 def read_file(parse: Callable[[bytes, str], Robot], path: Path) -> Robot:
-    """The robot of a file, by what parses a text under the name of its file.
-
-    Raises:
-        ProofError: the file cannot be read, or is not the description of a robot.
-    """
+    """The robot of a file, by what parses a text under the name of its file."""
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -63,11 +59,7 @@ def read_file(parse: Callable[[bytes, str], Robot], path: Path) -> Robot:
 
 
 def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
-    """The elements of a text that dh2urdf has written, without comments: it has to be XML to the letter.
-
-    Raises:
-        ProofError: the text is not XML.
-    """
+    """The elements of a text that dh2urdf has written, without comments: it has to be XML to the letter."""
     try:
         return xml_root(content, is_deep=is_deep)
     except etree.XMLSyntaxError as error:
@@ -78,14 +70,7 @@ def written_tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etre
 def tree_of(content: bytes, file: str, *, is_deep: bool = False) -> etree._Element:
     """The elements of a text of any origin, without comments; what readers of robots take beside XML is read too.
 
-    Args:
-        content: the text, in the encoding that it declares.
-        file: what messages call it.
-        is_deep: whether elements may be nested by the hundred, as the bodies of a long arm in MJCF are; lxml takes that
-            for an attack otherwise.
-
-    Raises:
-        ProofError: the text is not XML, or has a document type.
+    Deep elements are nested by the hundred, as the bodies of a long arm in MJCF are; lxml takes that for an attack.
     """
     refuse_other_kind(content, file, ProofError, "a robot description", "a robot description in XML")
     try:
@@ -132,13 +117,7 @@ def mark_of(element: etree._Element, file: str = "") -> Mark:
 
 
 class Unread(NamedTuple):
-    """Something of a file that its robot lacks.
-
-    Attributes:
-        what: the words for it.
-        mark: where it is.
-        fault: what is wrong with it; None where it is nothing that is read here.
-    """
+    """Something of a file that its robot lacks; the fault is None where it is nothing that is read here."""
 
     what: str
     mark: Mark
@@ -170,19 +149,9 @@ class FileElements:
         return ProofError(say(code, self.mark(element), **about))
 
     def read(self, element: etree._Element, name: str, text: str, count: int, most: int = 0) -> list[float]:
-        """The finite numbers of a text with spaces between them.
+        """The finite numbers of a text with spaces between them; of as many as `most`, further ones mean nothing.
 
         `float` also takes 1_000, nan and inf, which no reader of robots does.
-
-        Args:
-            element: the element.
-            name: its attribute, or the path of the child.
-            text: the text.
-            count: how many are wanted.
-            most: as many may be there; further ones mean nothing.
-
-        Raises:
-            ProofError: they are not as many, or something else is there.
         """
         with suppress(ValueError):
             numbers = [float(word) for word in text.split()]
@@ -207,12 +176,6 @@ class FileElements:
         """Something that has no part in how the robot moves, such as a mass or a shape; the default where it is faulty.
 
         It is left out of a file of unknown origin then, with a notice; `Model.whole` raises the fault.
-
-        Args:
-            element: the element of it.
-            read: reads the element.
-            default: what a robot has without it.
-            what: the words for it; by the element where there are none.
         """
         try:
             return read(element)
@@ -230,13 +193,7 @@ class FileElements:
         placed: Callable[[etree._Element], Iterable[tuple[Geometry, Origin]]],
         material_of: Callable[[etree._Element], Material | None],
     ) -> dict[str, Any]:
-        """What a link is seen as and what it touches with, for the record of it.
-
-        Args:
-            link: the element of the link.
-            placed: reads the parts of a shape, and where they are in the link.
-            material_of: reads the material of one that is seen.
-        """
+        """What a link is seen as and what it touches with, for its record: parts of shapes in the frame of the link."""
 
         def seen(element: etree._Element) -> list[Visual]:
             material = material_of(element)
@@ -255,42 +212,18 @@ class FileElements:
         origin: Origin,
         numbers: Callable[[str, int], Sequence[float]],
         filename: Callable[[], str],
-    ) -> Iterator[tuple[Geometry, Origin]]:
-        """The parts of a shape, and where they are in the link; of one that no robot has, none.
-
-        Args:
-            shape: the element of it.
-            origin: where it is in the link.
-            numbers: reads some numbers of it by their name and count.
-            filename: reads the file of a mesh.
-        """
-        match str(shape.tag):
-            case "box":
-                x, y, z = numbers("size", 3)
-                yield Box(size=(x, y, z)), origin
-            case "cylinder":
-                (radius,), (length,) = numbers("radius", 1), numbers("length", 1)
-                yield Cylinder(radius=radius, length=length), origin
-            case "capsule":
-                (radius,), (length,) = numbers("radius", 1), numbers("length", 1)
-                for geometry, within in capsule(radius, length):
-                    yield geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within)
-            case "sphere":
-                yield Sphere(radius=numbers("radius", 1)[0]), origin
-            case "mesh":
-                x, y, z = numbers("scale", 3)
-                yield Mesh(filename=filename(), scale=(x, y, z)), origin
-            case tag:
-                self.not_read(shape, f"a shape {shown(tag)}")
+    ) -> list[tuple[Geometry, Origin]]:
+        """The parts of a shape, and where they are in the link; none of one that no robot has."""
+        parts = parts_of(str(shape.tag), numbers, filename)
+        if parts is None:
+            self.not_read(shape, f"a shape {shown(shape.tag)}")
+        return [
+            (geometry, origin if within is IDENTITY else Origin.of(origin.transform @ within))
+            for geometry, within in parts or ()
+        ]
 
     def kind(self, joint: etree._Element, word: str, loose: Collection[str]) -> JointType:
-        """The type of a joint; one that no table has is fixed.
-
-        Args:
-            joint: the element of it.
-            word: its type as it is written.
-            loose: the types that no table has.
-        """
+        """The type of a joint; one of the loose ones, which no table has, is fixed."""
         if word in loose:
             self.loose[joint.get("name", "")] = word
             return JointType.FIXED
@@ -299,33 +232,23 @@ class FileElements:
         return JOINT_TYPES[word]
 
     def joint(
-        self, element: etree._Element, name: str, parent: str, child: str, read: Callable[[etree._Element], Joint]
+        self,
+        element: etree._Element,
+        name: str,
+        parent: str,
+        child: str,
+        read: Callable[[etree._Element], dict[str, Any]],
     ) -> Joint:
-        """A joint; where it is faulty, one that holds its link, and no chain of a table may have.
-
-        Args:
-            element: the element of it.
-            name: its name.
-            parent: the link that holds it.
-            child: the link that it moves.
-            read: reads the joint.
-        """
+        """A joint, by what reads how it moves; a faulty one holds its link, and no chain of a table may have it."""
         found = self.part(element, read, None, f"the joint {shown(name)}")
-        if found is not None:
-            return found
-        self.faulty[name] = self.unread[-1]
-        return Joint(name=name, type=JointType.FIXED, parent=parent, child=child, mark=self.mark(element))
+        if found is None:
+            self.faulty[name], found = self.unread[-1], {"type": JointType.FIXED}
+        return new_joint(name=name, parent=parent, child=child, mark=self.mark(element), **found)
 
     def numbers_of_joint(
         self, joint: etree._Element, number: Callable[[str, etree._Element], float | None], others: Iterable[str]
     ) -> dict[str, Any]:
-        """The limits of a joint and what resists its motion; only what bounds the motion is one with the chain.
-
-        Args:
-            joint: the element of the joint.
-            number: reads the number of a field.
-            others: the fields besides the limits.
-        """
+        """The limits of a joint and the other fields, by what reads a number; faulty bounds make a faulty joint."""
         name = shown(joint.get("name", ""))
         found = {
             field: number(field, joint)
@@ -359,14 +282,7 @@ class Model(NamedTuple):
     references: Mapping[str, float] = MappingProxyType({})
 
     def whole(self, accepted: str = ACCEPTED) -> Robot:
-        """The robot, of which nothing was left out.
-
-        Args:
-            accepted: the types of joints that the format has and tables, too.
-
-        Raises:
-            ProofError: something was left out.
-        """
+        """The robot, of which nothing was left out; tables and the format have the accepted types of joints."""
         for joint in self.robot.joints if self.loose else ():
             if (kind := self.loose.get(joint.name)) is not None:
                 raise ProofError(say("joint-type-foreign", joint.mark, type=kind, accepted=accepted))
@@ -388,7 +304,27 @@ class Placed(NamedTuple):
     pose: RigidTransform = IDENTITY
 
 
-def capsule(radius: float, length: float) -> list[Placed]:
-    """The parts of a capsule along z, a cylinder and two balls; its length is between the middles of its ends [m]."""
-    ends = [RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end)) for end in (0.5 * length, -0.5 * length)]
-    return [Placed(Cylinder(radius=radius, length=length)), *(Placed(Sphere(radius=radius), end) for end in ends)]
+def parts_of(
+    kind: str, numbers: Callable[[str, int], Sequence[float]], filename: Callable[[], str]
+) -> list[Placed] | None:
+    """The parts of a shape, by what reads some of its numbers or the file of a mesh; None of one that no robot has.
+
+    The length of a capsule is between the middles of its ends, which are balls.
+    """
+    match kind:
+        case "box":
+            x, y, z = numbers("size", 3)
+            return [Placed(Box(size=(x, y, z)))]
+        case "cylinder" | "capsule":
+            (radius,), (length,) = numbers("radius", 1), numbers("length", 1)
+            ends = (0.5 * length, -0.5 * length) if kind == "capsule" else ()
+            return [
+                Placed(Cylinder(radius=radius, length=length)),
+                *(Placed(Sphere(radius=radius), RigidTransform(IDENTITY_ROTATION, (0.0, 0.0, end))) for end in ends),
+            ]
+        case "sphere":
+            return [Placed(Sphere(radius=numbers("radius", 1)[0]))]
+        case "mesh":
+            x, y, z = numbers("scale", 3)
+            return [Placed(Mesh(filename=filename(), scale=(x, y, z)))]
+    return None

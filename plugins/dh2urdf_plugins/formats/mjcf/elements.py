@@ -10,6 +10,7 @@ The files that an MJCF includes, put where it includes them.
 from __future__ import annotations
 
 import math
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -64,40 +65,24 @@ class Elements(FileElements):
     """
 
     def __init__(self, root: etree._Element, file: str) -> None:
-        """Reads the compiler and the default classes.
-
-        Raises:
-            ProofError: they cannot be read.
-        """
+        """Reads the compiler and the default classes."""
         super().__init__(file)
         self.root = root
         self.compiler = compiler_of(root)
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
-        self._has_frames = root.find(".//frame") is not None
         self._gives_classes = any(root.find(f".//{path}") is not None for path in ("*[@childclass]", "frame[@class]"))
-        self._defaults = self._read_defaults()
-
-    def _read_defaults(self) -> dict[str, dict[str, dict[str, str]]]:
-        """The attributes that a class gives, by class and by tag."""
-        found: dict[str, dict[str, dict[str, str]]] = {"main": {}}
-        for element in self.root.iter("default"):  # Outer classes first.
+        self._defaults: dict[str, dict[str, dict[str, str]]] = {"main": {}}  # attributes by class and by tag
+        for element in root.iter("default"):  # Outer classes first.
             parent = element.getparent()
             outer = parent.get("class", "main") if parent is not None and parent.tag == "default" else "main"
-            name = element.get("class") or "main"
-            given = {tag: dict(attributes) for tag, attributes in found.get(outer, {}).items()}
+            given = dict(self._defaults.get(outer, {}))
             for each in element.iterchildren(etree.Element):
                 if each.tag != "default":
                     given[each.tag] = _over(given.get(each.tag, {}), _attributes(each))
-            found[name] = given
-        return found
+            self._defaults[element.get("class") or "main"] = given
 
     def attributes(self, element: etree._Element, *kin: str) -> dict[str, str]:
-        """The attributes of an element, those of its class included.
-
-        Args:
-            element: the element.
-            kin: the names of elements that share their defaults with it, as those of all actuators do.
-        """
+        """The attributes of an element, those of its class included; all actuators are kin, and share defaults."""
         name = element.get("class")
         above = element.getparent() if self._gives_classes else None
         while name is None and above is not None:
@@ -120,15 +105,11 @@ class Elements(FileElements):
 
     def held(self, body: etree._Element, *tags: str) -> Iterator[etree._Element]:
         """The elements of a body with some names, in the order of the file; those in its frames, too."""
-        if not self._has_frames:
-            yield from body.iterchildren(*tags)
-            return
-        waiting = [body.iterchildren(*tags, "frame")]
+        waiting = [*body.iterchildren(*tags, "frame")][::-1]
         while waiting:
-            if (element := next(waiting[-1], None)) is None:
-                waiting.pop()
-            elif element.tag == "frame":
-                waiting.append(element.iterchildren(*tags, "frame"))
+            element = waiting.pop()
+            if element.tag == "frame":
+                waiting += [*element.iterchildren(*tags, "frame")][::-1]
             else:
                 yield element
 
@@ -138,14 +119,11 @@ class Elements(FileElements):
 
     def around(self, element: etree._Element, pose: RigidTransform) -> RigidTransform:
         """A pose in the frames around an element, in the body that holds it."""
-        if not self._has_frames:
-            return pose
-        above, depth = element.getparent(), 0
-        while above is not None and above.tag == "frame":
-            if (depth := depth + 1) > _DEEPEST:
-                raise self.error(element, "frames-too-deep", most=_DEEPEST)
-            pose = self.own_pose(above, _attributes(above)) @ pose
-            above = above.getparent()
+        frames = [*takewhile(lambda above: above.tag == "frame", element.iterancestors())]
+        if len(frames) > _DEEPEST:
+            raise self.error(element, "frames-too-deep", most=_DEEPEST)
+        for frame in frames:
+            pose = self.own_pose(frame, _attributes(frame)) @ pose
         return pose
 
     def own_pose(self, element: etree._Element, attributes: dict[str, str]) -> RigidTransform:
@@ -206,26 +184,14 @@ class Elements(FileElements):
     def numbers(
         self, element: etree._Element, attributes: dict[str, str], name: str, default: Sequence[float], most: int = 0
     ) -> Sequence[float]:
-        """As many numbers as the default has, which they are where there is no such attribute.
-
-        Args:
-            element: what has the attribute.
-            attributes: its attributes, those of its class included.
-            name: the attribute.
-            default: the numbers where there is no such attribute.
-            most: as many may be written; further ones mean nothing.
-        """
+        """As many numbers as the default has, which they are where there is no such attribute; `most` as in `read`."""
         text = attributes.get(name)
         return default if text is None else self.read(element, name, text, len(default), most)
 
     def limits(
         self, element: etree._Element, attributes: dict[str, str], name: str, limited: str
     ) -> Sequence[float] | None:
-        """The lower and the upper end of a range that counts; None where there is none, or it does not count.
-
-        The attribute `limited` tells whether it does. Without it, a range counts whose lower end is below
-        the upper one.
-        """
+        """The ends of a range that counts: by the attribute `limited`, else where the lower end is below the upper."""
         if name not in attributes:
             return None
         lower, upper = self.numbers(element, attributes, name, (0.0, 0.0))
@@ -311,11 +277,7 @@ def _includes_in(root: etree._Element) -> Iterator[etree._Element]:
 
 
 def _file(include: etree._Element, path: Path, beside: Path, taken: set[Path]) -> Path:
-    """The file that an element includes; it counts as taken from now on.
-
-    Raises:
-        InputError: it is not there, or may not be included.
-    """
+    """The file that an element includes; it counts as taken from now on."""
     name = (include.get("file") or "").replace("\\", "/")
     file = next((each for folder in (path.parent, beside) if is_file(each := folder / name)), None)
     if file is None:

@@ -22,7 +22,6 @@ from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import (
-    IDENTITY,
     IDENTITY_ROTATION,
     Z_AXIS,
     ZERO,
@@ -32,13 +31,13 @@ from dh2urdf.rotations import (
     rotate,
     scale,
 )
-from dh2urdf.source import Mark, Messages, shown
-from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
-from dh2urdf_plugins.formats.mjcf.shapes import Shapes, mass_of_shapes
+from dh2urdf.source import Messages, shown
+from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, include_files
+from dh2urdf_plugins.formats.mjcf.shapes import Shapes
 from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, mark_of, read_file, tree_of, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from lxml import etree
@@ -56,11 +55,7 @@ _LOOSE = {"ball": "ball", "free": "floating"}
 
 
 def parse_mjcf(content: bytes, file: str) -> Robot:
-    """The robot of an MJCF text; `file` is what messages call it.
-
-    Raises:
-        ProofError: the text is not the MJCF of a manipulator, or something in it cannot be read.
-    """
+    """The robot of an MJCF text; `file` is what messages call it."""
     return model_of(written_tree_of(content, file, is_deep=True), file).whole("hinge, slide")
 
 
@@ -69,11 +64,7 @@ read_mjcf = partial(read_file, parse_mjcf)
 
 
 def whole_tree_of(content: bytes, path: Path) -> etree._Element:
-    """The elements of an MJCF and of the files that it includes.
-
-    Raises:
-        ProofError: one of them is not XML, or is not there.
-    """
+    """The elements of an MJCF and of the files that it includes."""
     root = tree_of(content, str(path), is_deep=True)
     missing = include_files(root, path)
     if missing:
@@ -82,22 +73,17 @@ def whole_tree_of(content: bytes, path: Path) -> etree._Element:
 
 
 def model_of(root: etree._Element, file: str) -> Model:
-    """The model of a tree of elements.
-
-    Raises:
-        ProofError: the elements are not the MJCF of a robot.
-    """
-    if root.tag != "mujoco":
-        mark = Mark(file=file, line=1)
-        raise ProofError(say("root-element-other", mark, found=str(root.tag), accepted="mujoco"))
+    """The model of a tree of elements."""
     return _Reader(root, file).model()
 
 
-class _Reader(Elements):
+class _Reader(Shapes):
     """Reads one tree."""
 
     def __init__(self, root: etree._Element, file: str) -> None:
         super().__init__(root, file)
+        if root.tag != "mujoco":
+            raise self.error(root, "root-element-other", found=str(root.tag), accepted="mujoco")
         self._nameless_in = defaultdict[str, int](lambda: 1)  # by their place, the bodies and sites without a name
         for element in root.iter(*_NOT_READ):
             how = "mujoco.mj_saveLastXML writes a model without it"
@@ -105,7 +91,6 @@ class _Reader(Elements):
         if (where := self.compiler.get("coordinate", "local")) != "local":
             mark = self.mark(root.findall("compiler")[-1])
             raise ProofError(say("coordinates-not-local", mark, found=f"coordinate={where}"))
-        self._shapes = Shapes(self)
         self._references: dict[str, float] = {}
 
     def model(self) -> Model:
@@ -120,40 +105,40 @@ class _Reader(Elements):
         # Parents come before children; not by recursion, for an arm may have more links than Python's stack has places.
         for element in (each for world in worlds for each in world.iter("body", "site")):
             name = element.get("name") or self._nameless(element, taken)
-            holder = self._holder(element, names)
+            above = next(above for above in element.iterancestors() if above.tag != "frame")
+            if above not in names:
+                raise self.error(element, "element-misplaced", tag=element.tag, above=above.tag)
             if element.tag == "body":
                 names[element] = name
-                held = self._held(element, name, holder)
+                held = self._held(element, name, names[above])
                 links += [Link(name=joint.child) for joint in held[:-1]]
                 links.append(self._link([element], name))
                 joints += held
             elif name not in bodies:
                 links.append(Link(name=name))
-                joints.append(fixed(name, holder, self.pose(element)))
+                joints.append(fixed(name, names[above], self.pose(element)))
         for name in sorted(_CHANGING_MASSES & self.compiler.keys()):
             self.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
-        doubly = set[str]()
-        named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
-        for constraint in root.iterfind("equality/*"):
-            if constraint.tag == "joint" or not self.is_active(constraint):
-                continue
-            self.not_read(constraint, f"the constraint {constraint.tag}")
-            if constraint.tag in _HOLDING_BODIES:
-                doubly |= {names[body] for body in self._looped(constraint, named)}
+        doubly = {names[body] for body in self._looped(worlds)}
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
         return Model(robot, self.loose, self.unread, self.faulty, doubly, references=self._references)
 
-    def _looped(
-        self, constraint: etree._Element, named: Mapping[tuple[str, str | None], etree._Element]
-    ) -> list[etree._Element]:
-        """The bodies with which a constraint closes a loop: those of one tree, and not what a mouse drags (mocap)."""
-        keys = [(tag, constraint.get(f"{tag}{number}")) for number in "12" for tag in ("body", "site")]
-        found = [named[key] for key in keys if key[1] and key in named]
-        bodies = [each if each.tag == "body" else next(each.iterancestors("body"), None) for each in found]
-        held = [body for body in bodies if body is not None]
-        trees = {self._free(body) for body in held} | ({None} if len(held) == 1 else set())
-        is_dragged = any(body.get("mocap") == "true" for body in held)
-        return [] if is_dragged or len(trees) > 1 else held
+    def _looped(self, worlds: Sequence[etree._Element]) -> Iterator[etree._Element]:
+        """The bodies with which constraints close loops: those of one tree, and not what a mouse drags (mocap)."""
+        named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
+        for constraint in self.root.iterfind("equality/*"):
+            if constraint.tag == "joint" or not self.is_active(constraint):
+                continue
+            self.not_read(constraint, f"the constraint {constraint.tag}")
+            if constraint.tag not in _HOLDING_BODIES:
+                continue
+            keys = [(tag, constraint.get(f"{tag}{number}")) for number in "12" for tag in ("body", "site")]
+            found = [named[key] for key in keys if key[1] and key in named]
+            bodies = [each if each.tag == "body" else next(each.iterancestors("body"), None) for each in found]
+            held = [body for body in bodies if body is not None]
+            trees = {self._free(body) for body in held} | ({None} if len(held) == 1 else set())
+            if len(trees) <= 1 and not any(body.get("mocap") == "true" for body in held):
+                yield from held
 
     def _free(self, body: etree._Element) -> etree._Element | None:
         """The body that moves freely and holds a body, or is the body; None where the world holds it."""
@@ -161,13 +146,6 @@ class _Reader(Elements):
             if any(_type(joint, dict(joint.items())) == "free" for joint in self.held(each, "joint", "freejoint")):  # type: ignore[arg-type]
                 return each
         return None
-
-    def _holder(self, element: etree._Element, names: Mapping[etree._Element, str]) -> str:
-        """The name of the body that holds an element."""
-        above = next(above for above in element.iterancestors() if above.tag != "frame")
-        if above not in names:
-            raise self.error(element, "element-misplaced", tag=element.tag, above=above.tag)
-        return names[above]
 
     def _nameless(self, element: etree._Element, taken: set[str | None]) -> str:
         name = place = f"{element.tag} in line {element.sourceline}"
@@ -191,23 +169,23 @@ class _Reader(Elements):
             turn, anchor = self.around(element, RigidTransform(IDENTITY_ROTATION, anchor))
             kind, axis = self._motion(element, attributes)
             axis = axis if turn == IDENTITY_ROTATION else rotate(turn, axis)
-            unit = 1.0 if kind is JointType.PRISMATIC else self.angle
+            is_sliding = kind is JointType.PRISMATIC
+            unit = 1.0 if is_sliding else self.angle
             # A ball and a free joint have no reference value, whatever is written.
             (value,) = (0.0,) if kind is JointType.FIXED else self.numbers(element, attributes, "ref", (0.0,))
             # At the reference value the body is where it is written, so at 0 it has moved back by that value.
-            back = _moved(kind, axis, -unit * value)
+            turned = IDENTITY_ROTATION if is_sliding or not value else axis_rotation(axis, -unit * value)
+            back = RigidTransform(turned, scale(-value, axis) if is_sliding else ZERO)
             child = name if number == len(moving) and anchor == ZERO else f"{name} after joint {number}"
-            origin = pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back
-            numbers = self._numbers(element, attributes, kind, unit)
             joint = Joint(
                 name=attributes.get("name") or f"joint of {child}",
                 type=kind,
                 parent=holder,
                 child=child,
-                origin=Origin.of(origin),
+                origin=Origin.of(pose @ RigidTransform(IDENTITY_ROTATION, anchor) @ back),
                 axis=axis,
                 mark=self.mark(element),
-                **numbers,
+                **self._numbers(element, attributes, kind, unit),
             )
             if kind is JointType.FIXED:
                 self.loose[joint.name] = _LOOSE[_type(element, attributes)]
@@ -256,7 +234,7 @@ class _Reader(Elements):
 
     def _link(self, bodies: Sequence[etree._Element], name: str) -> Link:
         """The link of a body; of several that are one, such as the world."""
-        shapes = [self._shapes.of(body) for body in bodies]
+        shapes = [self.shapes_of(body) for body in bodies]
         return Link(
             name=name,
             inertial=self.part(bodies[0], self._inertial, None, f"the mass of {shown(name)}"),
@@ -268,7 +246,7 @@ class _Reader(Elements):
         element = body.find("inertial")
         whence = self.compiler.get("inertiafromgeom")
         if body.tag == "body" and whence != "false" and (element is None or whence == "true"):
-            return mass_of_shapes(map(self._shapes.geom, self.held(body, "geom")), self)
+            return self.mass_of_shapes(body)
         if element is None:
             return None
         attributes = self.attributes(element)
@@ -283,10 +261,3 @@ class _Reader(Elements):
 
 def _type(element: etree._Element, attributes: dict[str, str]) -> str:
     return "free" if element.tag == "freejoint" else attributes.get("type", "hinge")
-
-
-def _moved(kind: JointType, axis: Vec3, value: float) -> RigidTransform:
-    """How a joint moves its body [rad or m]."""
-    if kind is JointType.PRISMATIC:
-        return RigidTransform(IDENTITY_ROTATION, scale(value, axis))
-    return RigidTransform(axis_rotation(axis, value), ZERO) if value else IDENTITY

@@ -34,14 +34,9 @@ _NAMED = ("link", "joint", "frame")
 
 
 def flatten(model: etree._Element) -> str | None:
-    """Takes the links, joints and frames of nested models into a model.
+    """Takes the links, joints and frames of nested models into a model, and returns its canonical link.
 
-    Args:
-        model: the model; it is changed.
-
-    Returns:
-        The canonical link, which the frame of the model moves with: the one that it names, else its first own link,
-        else that of the first model in it. None where it has no link.
+    That is the one that it names, else its first own link, else that of the first model in it.
     """
     canonical = model.get("canonical_link") or next((link.get("name") for link in model.iterchildren("link")), None)
     for inner in model.findall("model"):
@@ -142,23 +137,11 @@ class _Place(NamedTuple):
 
 
 class Places:
-    """The places of everything in a model.
-
-    Args:
-        elements: reads the elements.
-        model: the model; what was nested in it is in it.
-        canonical: the link that the frame of the model moves with; None where there is none.
-
-    Attributes:
-        canonical: what the frame of the model moves with.
-
-    Raises:
-        ProofError: a pose cannot be read, or is relative to what is not there.
-    """
+    """The places of everything in a model that `flatten` has flattened, with its canonical link."""
 
     def __init__(self, elements: SdfElements, model: etree._Element, canonical: str | None) -> None:
         self._elements, self._model = elements, model
-        self.canonical = canonical or WORLD
+        self._canonical = canonical or WORLD
         self._bodies: dict[str, str] = {}  # what `body` has found, so that a chain of frames is walked once
         self._rest: dict[str, RigidTransform] = {}  # what `_at_rest` has found in the model
         self._links = {elements.name(link) for link in model.iterchildren("link")}
@@ -202,7 +185,7 @@ class Places:
             if place is not None and place.kind == "link":
                 break
             way[name] = None
-            name = self.canonical if place is None else place.moves_with
+            name = self._canonical if place is None else place.moves_with
             if name in way:
                 raise self._elements.error(self._model, "frame-of-itself", name=name)
         body = self._bodies.get(name, name)
@@ -211,7 +194,7 @@ class Places:
 
     def rest_in_world(self) -> None:
         """What is in the model is in the world, since no joint moves its canonical link."""
-        self.canonical = WORLD
+        self._canonical = WORLD
         self._bodies.clear()
 
     def between(self, base: str, name: str) -> RigidTransform:

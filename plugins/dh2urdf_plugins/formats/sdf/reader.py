@@ -12,9 +12,8 @@ posed relative to it hangs below it. A joint apart from its child's origin gets 
 from __future__ import annotations
 
 from copy import deepcopy
-from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
@@ -30,7 +29,7 @@ from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, lea
 from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, read_file, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.robot import Geometry
 
@@ -44,11 +43,7 @@ _LOOSE = ("ball", "gearbox", "revolute2", "screw", "universal", AT_INCLUDED)
 
 
 def parse_sdf(content: bytes, file: str) -> Robot:
-    """The robot of the first model in an SDF text; `file` is what messages call it.
-
-    Raises:
-        ProofError: the text holds no model of a manipulator, or something in it cannot be read.
-    """
+    """The robot of the first model in an SDF text; `file` is what messages call it."""
     return model_of(written_tree_of(content, file), file).whole()
 
 
@@ -57,18 +52,8 @@ read_sdf = partial(read_file, parse_sdf)
 
 
 def model_of(root: etree._Element, file: str) -> Model:
-    """The first model in a tree of elements.
-
-    Raises:
-        ProofError: the elements hold no model of a robot.
-    """
-    models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
-    if not models:
-        included = [shown((uri.text or "").strip()) for uri in root.iterfind(".//include/uri")]
-        how = f"it includes {included[0]}: give the file of that model" if included else None
-        raise ProofError(say("no-model", Mark(file=file), suggestion=how))
-    is_nested = any(each is not None for model in models for each in (model.find("model"), model.find("include")))
-    return _Reader(deepcopy(root) if is_nested else root, file).model()
+    """The first model in a tree of elements."""
+    return _Reader(deepcopy(root), file).model()
 
 
 class _Reader(SdfElements):
@@ -76,8 +61,13 @@ class _Reader(SdfElements):
 
     def __init__(self, root: etree._Element, file: str) -> None:
         super().__init__(file)
+        models = [*root.iterchildren("model"), *root.iterfind("world/model")] if root.tag == "sdf" else []
+        if not models:
+            included = [shown((uri.text or "").strip()) for uri in root.iterfind(".//include/uri")]
+            how = f"it includes {included[0]}: give the file of that model" if included else None
+            raise ProofError(say("no-model", Mark(file=file), suggestion=how))
         modernise(root)
-        self._model, *others = [*root.iterchildren("model"), *root.iterfind("world/model")]
+        self._model, *others = models
         includes = [*self._model.iter("include")]
         outside = [*root.iterfind("include"), *root.iterfind("world/include")]
         words = f"{IN_MODEL}, which SDF has no more since version 1.7,"
@@ -150,11 +140,10 @@ class _Reader(SdfElements):
     # Links and joints
 
     def _joint(self, element: etree._Element, child: str, parent: str, pose: RigidTransform) -> Joint:
-        ends = Joint(name=self.name(element), type=JointType.FIXED, parent=parent, child=child, origin=Origin.of(pose))
-        return self.joint(element, ends.name, parent, child, partial(self._motion, ends))
+        return self.joint(element, self.name(element), parent, child, partial(self._motion, Origin.of(pose)))
 
-    def _motion(self, ends: Joint, element: etree._Element) -> Joint:
-        """The joint of an element, between two links."""
+    def _motion(self, origin: Origin, element: etree._Element) -> dict[str, Any]:
+        """How a joint moves, and from where."""
         kind = self.kind(element, _type(element), _LOOSE)
         numbers = self.numbers_of_joint(element, self._number, ("damping", "friction"))
         limits = numbers["limits"]
@@ -167,7 +156,7 @@ class _Reader(SdfElements):
             xyz = element.find("axis/xyz")
             if xyz is not None and (frame := xyz.get("expressed_in")):
                 axis = rotate(self._places.between(self._places.key(element), frame).rotation, axis)
-        return replace(ends, type=kind, axis=axis, mark=self.mark(element), **numbers)
+        return {"type": kind, "origin": origin, "axis": axis, **numbers}
 
     def _number(self, field: str, joint: etree._Element) -> float | None:
         """A number; None where there is no word of it, an endless limit, or the −1 of an endless effort or speed."""
@@ -203,12 +192,12 @@ class _Reader(SdfElements):
         r, g, b, *a = self.numbers(element, "material/diffuse", 3 if is_opaque else 4)
         return Material(name="", rgba=(r, g, b, *(a or (1.0,))))
 
-    def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
+    def _placed(self, element: etree._Element) -> list[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
         geometry, pose = element.find("geometry"), element.find("pose")
         shape = None if geometry is None else next(geometry.iterchildren(etree.Element), None)
         if shape is None or shape.tag == "empty":
-            return
+            return []
         reference = None if pose is None else pose.get("relative_to")
         link = self.name(element.getparent())  # type: ignore[arg-type]  # it has one
         origin = self.origin(element)
@@ -220,7 +209,7 @@ class _Reader(SdfElements):
             usual = 0.5 if name == "radius" and shape.tag == "capsule" else 1.0
             return self.numbers(shape, name, count, (usual,) * count)
 
-        yield from self.parts(shape, origin, numbers, partial(self.word, shape, "uri"))
+        return self.parts(shape, origin, numbers, partial(self.word, shape, "uri"))
 
 
 def _type(joint: etree._Element) -> str:

@@ -9,19 +9,19 @@ Elements that URDF leaves to others (``mujoco``, ``gazebo``, ``transmission``) a
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
 from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import JointType, new_inertia
-from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_joint, new_link, new_origin
+from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_link, new_origin
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
 from dh2urdf_plugins.formats.xml_files import FileElements, Model, read_file, written_tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.robot import Geometry
 
@@ -30,15 +30,7 @@ _LOOSE = ("floating", "planar")
 
 
 def parse_urdf(content: bytes, file: str) -> Robot:
-    """The robot of a URDF text.
-
-    Args:
-        content: the text, in the encoding that it declares.
-        file: what messages call it.
-
-    Raises:
-        ProofError: the text is not the URDF of a robot.
-    """
+    """The robot of a URDF text; `file` is what messages call it."""
     return model_of(written_tree_of(content, file), file).whole()
 
 
@@ -47,11 +39,7 @@ read_urdf = partial(read_file, parse_urdf)
 
 
 def model_of(root: etree._Element, file: str) -> Model:
-    """The model of a tree of elements of any origin.
-
-    Raises:
-        ProofError: the elements are not the URDF of a robot.
-    """
+    """The model of a tree of elements of any origin."""
     return _UrdfReader(file).model(root)
 
 
@@ -79,32 +67,32 @@ class _UrdfReader(FileElements):
         return new_link(
             name=self._text(element, "name"),
             inertial=None if inertial is None else self.part(inertial, self._inertial, None),
-            **self.shapes(element, self._placed, self._material_of),
+            **self.shapes(element, self._placed, lambda visual: self._material(visual.find("material"))),
         )
 
     def _joint(self, element: etree._Element) -> Joint:
         parent, child = (self._text(self._child(element, end), "link") for end in ("parent", "child"))
         return self.joint(element, self._text(element, "name"), parent, child, self._motion)
 
-    def _motion(self, element: etree._Element) -> Joint:
+    def _motion(self, element: etree._Element) -> dict[str, Any]:
+        """How a joint moves."""
         kind = self.kind(element, self._text(element, "type"), _LOOSE)
         axis = element.find("axis")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
-        return new_joint(
-            name=self._text(element, "name"),
-            type=kind,
-            parent=self._text(self._child(element, "parent"), "link"),
-            child=self._text(self._child(element, "child"), "link"),
-            origin=self._origin(element),
-            axis=direction,
-            mark=self.mark(element),
+        return {
+            "type": kind,
+            "origin": self._origin(element),
+            "axis": direction,
             **self.numbers_of_joint(element, self._number, ("damping", "friction")),
-        )
+        }
 
     def _number(self, field: str, joint: etree._Element) -> float | None:
-        return self._optional(joint.find("limit" if field in LIMITS else "dynamics"), field)
+        element = joint.find("limit" if field in LIMITS else "dynamics")
+        if element is None or element.get(field) is None:
+            return None
+        return self._numbers(element, field, 1)[0]
 
     def _inertial(self, element: etree._Element) -> Inertial:
         tensor, origin = self._child(element, "inertia"), self._origin(element)
@@ -114,12 +102,10 @@ class _UrdfReader(FileElements):
         mass = self._numbers(self._child(element, "mass"), "value", 1)[0]
         return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
-    def _material_of(self, visual: etree._Element) -> Material | None:
-        material = visual.find("material")
-        return None if material is None else self._material(material)
-
-    def _material(self, element: etree._Element) -> Material | None:
-        """A material that is defined here or was defined above; None where it is a texture only."""
+    def _material(self, element: etree._Element | None) -> Material | None:
+        """A material that is defined here or was defined above; None where there is none, or a texture only."""
+        if element is None:
+            return None
         name, color = element.get("name", ""), element.find("color")
         if color is not None:
             r, g, b, a = self._numbers(color, "rgba", 4)
@@ -130,7 +116,7 @@ class _UrdfReader(FileElements):
             raise self.error(element, "material-undefined", name=name)
         return self._materials[name]
 
-    def _placed(self, element: etree._Element) -> Iterator[tuple[Geometry, Origin]]:
+    def _placed(self, element: etree._Element) -> list[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
         geometry = self._child(element, "geometry")
         shape = next(geometry.iterchildren(etree.Element), None)
@@ -142,7 +128,7 @@ class _UrdfReader(FileElements):
                 return (1.0, 1.0, 1.0)
             return self._numbers(shape, name, count)
 
-        yield from self.parts(shape, self._origin(element), numbers, partial(self._text, shape, "filename"))
+        return self.parts(shape, self._origin(element), numbers, partial(self._text, shape, "filename"))
 
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")
@@ -162,13 +148,8 @@ class _UrdfReader(FileElements):
             raise self.error(element, "attribute-missing", tag=element.tag, attribute=attribute)
         return text
 
-    def _optional(self, element: etree._Element | None, attribute: str) -> float | None:
-        if element is None or element.get(attribute) is None:
-            return None
-        return self._numbers(element, attribute, 1)[0]
-
-    def _vector(self, element: etree._Element, attribute: str, default: Vec3 | None = None) -> Vec3:
-        if default is not None and element.get(attribute) is None:
+    def _vector(self, element: etree._Element, attribute: str, default: Vec3) -> Vec3:
+        if element.get(attribute) is None:
             return default
         x, y, z = self._numbers(element, attribute, 3)
         return (x, y, z)

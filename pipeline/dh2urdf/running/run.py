@@ -236,8 +236,8 @@ def _answers(
 ) -> Generator[tuple[Batch, BatchReport | Lost], None, None]:
     """Every batch with what the executor has of it.
 
-    A result that is none, or none of a batch, fails the manipulators of this batch; one that comes twice counts once.
-    An executor that gives results of nothing is not asked again, as it may never end.
+    Results are in the order of the batches. A result that is none, or of another batch, fails the manipulators of the
+    batch; so does a result that is missing.
 
     Args:
         plan: the run.
@@ -251,28 +251,16 @@ def _answers(
     call = plan.executor
     with depending_on(call):
         results = items_of(results_of(call.stage, worker, some, call.options), "an iterator of results")
-    end, no_result = object(), ValueError("it gave no result of the batch that this manipulator is in")
+    end = object()
     try:
         while True:
             with depending_on(call):  # What is done with a result is not the executor's work.
                 result = next(results, end)
-            # A report that no batch waits for may be one that comes twice, as long as more batches come.
-            is_report = isinstance(result, BatchReport)
-            if result is end or (not under_way and not (is_report and getattr(some, "gi_frame", None))):
+            if result is end or not under_way:  # Results of nothing may never end.
                 break
-            if isinstance(result, BatchReport) and result.first not in {batch.first for batch in under_way}:
-                continue  # It is reported already.
-            while under_way:
-                batch = under_way.popleft()
-                if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
-                    yield batch, result
-                    break
-                try:
-                    a_record(result, BatchReport, Lost)
-                except TypeError as error:
-                    yield batch, _undone(worker, batch, call, error)
-                    break
-                yield batch, _undone(worker, batch, call, no_result)
+            batch = under_way.popleft()
+            is_its_own = isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first)
+            yield batch, result if is_its_own else _undone(worker, batch, call, result)
     finally:  # An interrupt holds this frame and all in it; the workers must be gone before the folder is unlocked.
         if close := getattr(results, "close", None):
             with depending_on(call):
@@ -280,13 +268,17 @@ def _answers(
     for _ in some:
         pass  # An executor that ended too early has not taken them: each is under way now.
     while under_way:
-        yield under_way[0], _undone(worker, under_way.popleft(), call, no_result)
+        yield under_way[0], _undone(worker, under_way.popleft(), call)
 
 
-def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], error: Exception) -> BatchReport:
-    """What becomes of a batch of which the executor has nothing: its manipulators fail."""
-    error = fault(call, error)
-    return worker(batch.without({place: Doomed(name, error, None) for place, name in enumerate(batch.names)}))
+def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], result: object = None) -> BatchReport:
+    """What becomes of a batch of which the executor has another result, or none: its manipulators fail."""
+    try:
+        a_record(result, BatchReport, Lost)
+        raise ValueError("it gave no result of the batch that this manipulator is in")
+    except (TypeError, ValueError) as error:
+        doomed = {place: Doomed(name, fault(call, error), None) for place, name in enumerate(batch.names)}
+    return worker(batch.without(doomed))
 
 
 # --- Batches that their workers do not survive -----------------------------------------------------------------------

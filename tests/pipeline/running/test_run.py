@@ -407,7 +407,8 @@ class TestCallsInOtherProcesses:
 
         result = type("Result", (), {"__class__": property(interrupt)})()  # isinstance() asks for it
 
-        def interrupted(_function: Any, _tasks: Any, _options: NoOptions) -> Iterator[Any]:
+        def interrupted(_function: Any, tasks: Any, _options: NoOptions) -> Iterator[Any]:
+            next(tasks)
             try:
                 yield result
             finally:

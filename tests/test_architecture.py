@@ -402,7 +402,7 @@ BUDGETS = {
     "pipeline/dh2urdf/report": 2380,
     "pipeline/dh2urdf/robot_check": 340,
     "pipeline/dh2urdf/run_file": 1780,
-    "pipeline/dh2urdf/running": 1050,
+    "pipeline/dh2urdf/running": 1040,
     "pipeline/dh2urdf/scaffold": 240,
     "pipeline/dh2urdf/stages": 1040,
     "pipeline/dh2urdf/table_text": 400,

@@ -93,11 +93,14 @@ def test_every_entry_of_kinds_names_something() -> None:
     places = [place for kind in ("arm", "words", "speed") for place in kinds[kind]]
     assert len(places) == len(set(places))
     places += kinds["long"]
+    inherited = "".join(path.read_text("utf-8") for path in sorted((ROOT / "pipeline/dh2urdf/testing").glob("*.py")))
     gone = []
     for place in places:
         path, _, test = place.partition("[")[0].partition("::")
         name = test.rpartition("::")[2]
-        if not (ROOT / path).exists() or (name and f"def {name}(" not in (ROOT / path).read_text("utf-8")):
+        if not (ROOT / path).exists():
+            gone.append(place)
+        elif name and f"def {name}(" not in (ROOT / path).read_text("utf-8") + ("::" in test) * inherited:
             gone.append(place)
     assert gone == []
 

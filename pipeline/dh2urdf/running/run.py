@@ -259,8 +259,10 @@ def _answers(
             if result is end or not under_way:  # Results of nothing may never end.
                 break
             batch = under_way.popleft()
-            is_its_own = isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first)
-            yield batch, result if is_its_own else _undone(worker, batch, call, result)
+            if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
+                yield batch, result
+            else:
+                yield batch, _undone(worker, batch, call, result)
     finally:  # An interrupt holds this frame and all in it; the workers must be gone before the folder is unlocked.
         if close := getattr(results, "close", None):
             with depending_on(call):

@@ -66,21 +66,21 @@ class _Load(NamedTuple):
 
 def servos(robot: Robot) -> dict[str, Servo]:
     """The servo of every joint that has an effort, by the joint's name."""
-    loads = _loads(robot)
-    return {joint.name: _servo(joint, loads[joint.name]) for joint in robot.moving_joints if joint.limits.effort}
-
-
-def _servo(joint: Joint, load: _Load) -> Servo:
-    unit = _unit(joint)
-    inertia = load.inertia + (joint.armature or 0.0)
-    spare = (joint.limits.effort or 0.0) - load.weight
-    wanted = max(spare / (YIELDING * unit), (joint.friction or 0.0) / (STUCK * unit))
-    allowed = math.inf if joint.armature is None else joint.armature / (ROTOR * FASTEST**2)
-    stiffness = max(min(wanted, allowed), inertia / SLOWEST**2)
-    settling = max(FASTEST, math.sqrt(inertia / stiffness)) if stiffness else FASTEST
-    damping = max(0.0, 2.0 * stiffness * settling - (joint.damping or 0.0))
-    armature = _rounded(ROTOR * stiffness * settling**2) if joint.armature is None else joint.armature
-    return Servo(_rounded(stiffness), _rounded(damping), armature)
+    loads, found = _loads(robot), {}
+    for joint in robot.moving_joints:
+        if not joint.limits.effort:
+            continue
+        load, unit = loads[joint.name], _unit(joint)
+        inertia = load.inertia + (joint.armature or 0.0)
+        spare = joint.limits.effort - load.weight
+        wanted = max(spare / (YIELDING * unit), (joint.friction or 0.0) / (STUCK * unit))
+        allowed = math.inf if joint.armature is None else joint.armature / (ROTOR * FASTEST**2)
+        stiffness = max(min(wanted, allowed), inertia / SLOWEST**2)
+        settling = max(FASTEST, math.sqrt(inertia / stiffness)) if stiffness else FASTEST
+        damping = max(0.0, 2.0 * stiffness * settling - (joint.damping or 0.0))
+        armature = _rounded(ROTOR * stiffness * settling**2) if joint.armature is None else joint.armature
+        found[joint.name] = Servo(_rounded(stiffness), _rounded(damping), armature)
+    return found
 
 
 def _rounded(gain: float) -> float:

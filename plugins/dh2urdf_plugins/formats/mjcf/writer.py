@@ -24,7 +24,7 @@ from dh2urdf_plugins.home_pose import initial_position
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot
+    from dh2urdf.robot import Geometry, Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.mjcf import MjcfOptions
 
 DEEPEST = 490
@@ -34,25 +34,16 @@ _JOINT_TYPES = {JointType.REVOLUTE: "hinge", JointType.CONTINUOUS: "hinge", Join
 
 
 def mjcf_files(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFile]:
-    """The MJCF of a robot, as ``<stem>.xml``.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, MuJoCo cannot read so long a chain, or a mesh cannot be read.
-        MissingDependencyError: what finds links that touch is not installed.
-    """
+    """The MJCF of a robot, as ``<stem>.xml``."""
     touching = [] if options.excludes == "neighbours" else touching_at_home(robot)
-    touching += _touching(robot) if options.excludes == "touching" else []
+    if options.excludes == "touching":  # at the start or always: the pairs of an SRDF, but for those that never do
+        from dh2urdf_plugins.collision_pairs.options import PairOptions
+        from dh2urdf_plugins.collision_pairs.search import robot_pairs
+
+        found = robot_pairs(robot, PairOptions(trials=1)).disabled
+        touching += [(pair.link1, pair.link2) for pair in found if pair.reason in {"Default", "Always"}]
     content = serialise(_Model(robot, options.actuators, touching).tree(), robot.comment)
     return (EmittedFile(name=f"{stem}.xml", content=content),)
-
-
-def _touching(robot: Robot) -> list[tuple[str, str]]:
-    """The pairs of links that touch at the start or always: those of an SRDF, but for the pairs that never touch."""
-    from dh2urdf_plugins.collision_pairs.options import PairOptions
-    from dh2urdf_plugins.collision_pairs.search import robot_pairs
-
-    found = robot_pairs(robot, PairOptions(trials=1)).disabled
-    return [(pair.link1, pair.link2) for pair in found if pair.reason in {"Default", "Always"}]
 
 
 class _Model:
@@ -73,34 +64,25 @@ class _Model:
         etree.SubElement(root, "compiler", {"angle": "radian", "eulerseq": "XYZ"})
         # A stiff servo on a light link makes an explicit integrator unstable.
         etree.SubElement(root, "option", {"integrator": "implicitfast"})
-        self._append_classes(root)
+        # What joints have in common, shapes that are seen, and shapes that touch; no shape weighs anything.
+        default = etree.SubElement(root, "default")
+        if self._servos:  # They carry the weight within their efforts; without this word the arm would be weightless.
+            etree.SubElement(default, "joint", {"actuatorgravcomp": "true"})
+        seen = {"contype": "0", "conaffinity": "0", "group": "1", "mass": "0"}
+        for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
+            etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
         world = etree.Element("worldbody")
         self._append_bodies(world)
-        self._append_meshes(root)
+        assets = etree.SubElement(root, "asset") if self._meshes else root
+        for mesh, name in self._meshes.items():
+            file = self._notation.text(mesh.filename)
+            etree.SubElement(assets, "mesh", {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale)})
         root.append(world)
         self._append_excludes(root)
         if self._actuators != "none":
             self._append_actuators(root)
         self._append_home(root, world)
         return root
-
-    def _append_classes(self, root: etree._Element) -> None:
-        """Appends what joints have in common, shapes that are seen, and shapes that touch; no shape weighs anything.
-
-        Servos carry the weight, within their efforts: without `actuatorgravcomp` the arm would be weightless.
-        """
-        default = etree.SubElement(root, "default")
-        if self._servos:
-            etree.SubElement(default, "joint", {"actuatorgravcomp": "true"})
-        seen = {"contype": "0", "conaffinity": "0", "group": "1", "mass": "0"}
-        for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
-            etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
-
-    def _append_meshes(self, root: etree._Element) -> None:
-        assets = etree.SubElement(root, "asset") if self._meshes else root
-        for mesh, name in self._meshes.items():
-            file = self._notation.text(mesh.filename)
-            etree.SubElement(assets, "mesh", {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale)})
 
     def _append_bodies(self, world: etree._Element) -> None:
         bodies: dict[str, etree._Element] = {}
@@ -113,7 +95,9 @@ class _Model:
                 continue
             holder = bodies[joint.parent] if joint else world
             depth[link.name] = depth[joint.parent] + 1 if joint else 1
-            place = {"name": self._name(link, joint), **self._pose(joint.origin if joint else None)}
+            if link.name == WORLD:
+                raise refused(self._robot, "mujoco-link-world", joint)
+            place = {"name": self._notation.name(link.name), **self._pose(joint.origin if joint else None)}
             # Whether a link is a mere frame on the one that holds it: flange and tool0.
             moves = joint is not None and joint.type is not JointType.FIXED
             is_body = link.inertial is not None and link.inertial.mass > 0.0
@@ -129,13 +113,9 @@ class _Model:
             if link.inertial and link.inertial.mass:
                 if link.name in self._carried:
                     body.set("gravcomp", "1")
-                i, numbers = link.inertial.inertia, self._notation.numbers
-                tensor = numbers((i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz))
-                mass = {
-                    "pos": numbers(link.inertial.com),
-                    "mass": numbers((link.inertial.mass,)),
-                    "fullinertia": tensor,
-                }
+                numbers = self._notation.body(link.name, link.inertial)
+                tensor = " ".join([numbers[name] for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")])
+                mass = {"pos": numbers["com"], "mass": numbers["mass"], "fullinertia": tensor}
                 etree.SubElement(body, "inertial", mass)
             if moves and joint:
                 etree.SubElement(body, "joint", self._joint(joint))
@@ -164,8 +144,8 @@ class _Model:
         return attributes
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
-        shapes: list[tuple[str, Visual | Collision]] = [("visual", visual) for visual in link.visuals]
-        for kind, shape in [*shapes, *(("collision", collision) for collision in link.collisions)]:
+        for shape in link.shapes:
+            kind = "visual" if isinstance(shape, Visual) else "collision"
             attributes = {"class": kind, **self._geometry(shape.geometry), **self._pose(shape.origin)}
             geom = etree.SubElement(body, "geom", attributes)
             if isinstance(shape, Visual) and shape.material:
@@ -247,11 +227,6 @@ class _Model:
             numbers["ctrl"] = [home[servo.get("name", "")] for servo in root.iterfind("actuator/position")]
         texts = {name: self._notation.numbers(values) for name, values in numbers.items()}
         etree.SubElement(etree.SubElement(root, "keyframe"), "key", {"name": "home", **texts})
-
-    def _name(self, link: Link, joint: Joint | None) -> str:
-        if link.name == WORLD:
-            raise refused(self._robot, "mujoco-link-world", joint)
-        return self._notation.name(link.name)
 
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:

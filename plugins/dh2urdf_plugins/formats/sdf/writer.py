@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.manipulator import WORLD, JointType
-from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf.rotations import ZERO
+from dh2urdf.robot import Visual
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.formats.urdf.writer import INERTIA, Notation, refused, serialise
+from dh2urdf_plugins.formats.urdf.writer import Notation, primitive, refused, serialise
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Collision, Geometry, Joint, Link, Origin, Robot, Visual
+    from dh2urdf.robot import Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.sdf import SdfOptions
 
 VERSION = "1.7"
@@ -32,11 +31,7 @@ _NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)
 
 
 def sdf_files(robot: Robot, stem: str, options: SdfOptions) -> tuple[EmittedFile]:
-    """The SDF of a robot, as ``<stem>.sdf``.
-
-    Raises:
-        EmitterError: SDF cannot hold one of its names, or nothing with a mass is at its root or on a joint.
-    """
+    """The SDF of a robot, as ``<stem>.sdf``."""
     content = serialise(_Model(robot, fixed=options.fixed).tree(), robot.comment)
     return (EmittedFile(name=f"{stem}.sdf", content=content),)
 
@@ -48,7 +43,22 @@ class _Model:
         robot = with_base_bodies(robot)
         self._robot, self._fixed, self._notation = robot, fixed, Notation()
         self._joint_to = {joint.child: joint for joint in robot.joints}
-        self._carriers = self._find_carriers()
+        # Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself.
+        self._carriers: dict[str, str] = {}
+        for link in robot.links:  # Parents before children.
+            joint = self._joint_to.get(link.name)
+            held = joint is None or joint.type is JointType.FIXED
+            if link.inertial and link.inertial.mass:
+                if not held and set(self._carriers.values()) <= {MODEL}:
+                    # The model's own frame, and with it base_link, would move with the first body.
+                    raise refused(robot, "sdf-without-body-at-rest", joint)
+                self._carriers[link.name] = link.name
+            elif held:
+                self._carriers[link.name] = self._carriers[joint.parent] if joint else MODEL
+            else:
+                raise refused(robot, "sdf-link-without-mass", joint, link=link.name)
+        if set(self._carriers.values()) <= {MODEL}:
+            raise refused(robot, "sdf-without-body")
         self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
 
     def tree(self) -> etree._Element:
@@ -56,57 +66,34 @@ class _Model:
         model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
         bodies: dict[str, etree._Element] = {}
         for link in self._robot.links:
-            joint = self._joint_to.get(link.name)
-            if self._carriers[link.name] == link.name:
+            joint, carrier = self._joint_to.get(link.name), self._carriers[link.name]
+            if carrier == link.name:
                 bodies[link.name] = self._append_link(model, link, joint)
                 self._append_joint(model, link, joint)
             elif joint or link.name != WORLD:  # A root of this name is the world itself.
-                self._append_frame(model, link, joint)
+                frame = etree.SubElement(model, "frame", {"name": self._name(link.name, joint)})
+                if joint:  # Attached to a body: Drake misplaces a frame that is attached to another one.
+                    reference = _reference(joint.parent)
+                    if carrier != MODEL:
+                        frame.set("attached_to", carrier)
+                    self._append_pose(frame, joint.origin, None if reference == carrier else reference)
         bodies[MODEL] = bodies[self._first]
         for link in self._robot.links:
             self._append_shapes(bodies[self._carriers[link.name]], link)
         return sdf
-
-    def _find_carriers(self) -> dict[str, str]:
-        """Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself."""
-        carriers: dict[str, str] = {}
-        for link in self._robot.links:  # Parents before children.
-            joint = self._joint_to.get(link.name)
-            held = joint is None or joint.type is JointType.FIXED
-            if link.inertial and link.inertial.mass:
-                if not held and set(carriers.values()) <= {MODEL}:
-                    # The model's own frame, and with it base_link, would move with the first body.
-                    raise refused(self._robot, "sdf-without-body-at-rest", joint)
-                carriers[link.name] = link.name
-            elif held:
-                carriers[link.name] = carriers[joint.parent] if joint else MODEL
-            else:
-                raise refused(self._robot, "sdf-link-without-mass", joint, link=link.name)
-        if set(carriers.values()) <= {MODEL}:
-            raise refused(self._robot, "sdf-without-body")
-        return carriers
 
     def _append_link(self, model: etree._Element, link: Link, joint: Joint | None) -> etree._Element:
         element = etree.SubElement(model, "link", {"name": self._name(link.name, joint)})
         if joint:
             self._append_pose(element, joint.origin, _reference(joint.parent))
         if link.inertial:
-            inertial = etree.SubElement(element, "inertial")
-            self._append_numbers(inertial, "pose", *link.inertial.com, *ZERO)
-            self._append_numbers(inertial, "mass", link.inertial.mass)
+            inertial, numbers = etree.SubElement(element, "inertial"), self._notation.body(link.name, link.inertial)
+            etree.SubElement(inertial, "pose").text = f"{numbers.pop('com')} 0 0 0"
+            etree.SubElement(inertial, "mass").text = numbers.pop("mass")
             inertia = etree.SubElement(inertial, "inertia")
-            for name in INERTIA:
-                self._append_numbers(inertia, name, getattr(link.inertial.inertia, name))
+            for name, number in numbers.items():
+                etree.SubElement(inertia, name).text = number
         return element
-
-    def _append_frame(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
-        """Appends a frame; it is attached to a body, for Drake misplaces one that is attached to another frame."""
-        frame = etree.SubElement(model, "frame", {"name": self._name(link.name, joint)})
-        if joint:
-            carrier, reference = self._carriers[link.name], _reference(joint.parent)
-            if carrier != MODEL:
-                frame.set("attached_to", carrier)
-            self._append_pose(frame, joint.origin, None if reference == carrier else reference)
 
     def _append_joint(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
         """Appends the joint that holds a body; on the world none, where nothing is to hold it there."""
@@ -120,11 +107,9 @@ class _Model:
         element = etree.SubElement(model, "joint", {"name": self._name(name, joint), "type": kind.value})
         etree.SubElement(element, "parent").text = parent
         etree.SubElement(element, "child").text = link.name
-        if joint and kind is not JointType.FIXED:
-            self._append_axis(element, joint)
-
-    def _append_axis(self, parent: etree._Element, joint: Joint) -> None:
-        axis = etree.SubElement(parent, "axis")
+        if joint is None or kind is JointType.FIXED:
+            return
+        axis = etree.SubElement(element, "axis")
         self._append_numbers(axis, "xyz", *joint.axis)
         limits = [(name, getattr(joint.limits, name)) for name in ("lower", "upper", "effort", "velocity")]
         losses = [(name, getattr(joint, name)) for name in ("damping", "friction")]
@@ -139,37 +124,18 @@ class _Model:
         relative_to = None
         if self._carriers[link.name] != link.name:
             relative_to = _reference(link.name) or MODEL
-        for visual in link.visuals:
-            element = self._append_shape(body, "visual", visual, relative_to)
-            if visual.material:
+        for shape in link.shapes:
+            kind = "visual" if isinstance(shape, Visual) else "collision"
+            element = etree.SubElement(body, kind, {"name": f"{kind}_{len(body.findall(kind)) + 1}"})
+            self._append_pose(element, shape.origin, relative_to)
+            tag, sizes = primitive(shape.geometry, self._notation)
+            geometry = etree.SubElement(etree.SubElement(element, "geometry"), tag)
+            for name, text in sizes.items():
+                etree.SubElement(geometry, "uri" if name == "filename" else name).text = text
+            if isinstance(shape, Visual) and shape.material:
                 material = etree.SubElement(element, "material")
                 for light in ("ambient", "diffuse"):
-                    self._append_numbers(material, light, *visual.material.rgba)
-        for collision in link.collisions:
-            self._append_shape(body, "collision", collision, relative_to)
-
-    def _append_shape(
-        self, body: etree._Element, kind: str, shape: Visual | Collision, relative_to: str | None
-    ) -> etree._Element:
-        number = len(body.findall(kind)) + 1
-        element = etree.SubElement(body, kind, {"name": f"{kind}_{number}"})
-        self._append_pose(element, shape.origin, relative_to)
-        self._append_geometry(etree.SubElement(element, "geometry"), shape.geometry)
-        return element
-
-    def _append_geometry(self, parent: etree._Element, geometry: Geometry) -> None:
-        match geometry:
-            case Box(size=size):
-                self._append_numbers(etree.SubElement(parent, "box"), "size", *size)
-            case Cylinder(radius=radius, length=length):
-                self._append_numbers(cylinder := etree.SubElement(parent, "cylinder"), "radius", radius)
-                self._append_numbers(cylinder, "length", length)
-            case Sphere(radius=radius):
-                self._append_numbers(etree.SubElement(parent, "sphere"), "radius", radius)
-            case Mesh(filename=filename, scale=scale):
-                mesh = etree.SubElement(parent, "mesh")
-                etree.SubElement(mesh, "uri").text = self._notation.text(filename)
-                self._append_numbers(mesh, "scale", *scale)
+                    self._append_numbers(material, light, *shape.material.rgba)
 
     def _append_pose(self, parent: etree._Element, origin: Origin, relative_to: str | None = None) -> None:
         self._append_numbers(parent, "pose", *origin.xyz, *origin.rpy)

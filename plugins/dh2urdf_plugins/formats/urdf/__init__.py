@@ -30,24 +30,14 @@ class UrdfOptions:
 
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
-    """The URDF of a robot, as ``<stem>.urdf``.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, a name makes a line longer than readers take, or the robot lacks
-            what URDF requires.
-    """
+    """The URDF of a robot, as ``<stem>.urdf``."""
     from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, append_transmissions
     from dh2urdf_plugins.formats.urdf.writer import Notation, check_lines, serialise, urdf_tree
 
     notation, profile = Notation(), PROFILES[options.profile]
     robot = adapted(robot, profile)
-    root = urdf_tree(
-        robot,
-        notation.text(robot.name),
-        notation,
-        mujoco=profile.mujoco_element,
-        shared_materials=profile.shared_materials,
-    )
+    name, is_shared = notation.text(robot.name), profile.shared_materials
+    root = urdf_tree(robot, name, notation, mujoco=profile.mujoco_element, shared_materials=is_shared)
     if profile.transmissions:
         append_transmissions(root, robot, notation)
     content = serialise(root, robot.comment)

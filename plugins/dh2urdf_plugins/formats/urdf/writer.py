@@ -56,11 +56,7 @@ class Notation:
     """How plain URDF writes names and numbers; xacro's notation overrides it."""
 
     def text(self, text: str) -> str:
-        """A text that is nobody's identifier: the robot's name, a file name.
-
-        Raises:
-            EmitterError: XML cannot hold one of its characters.
-        """
+        """A text that is nobody's identifier: the robot's name, a file name."""
         if not (text.isascii() and text.isprintable()) and (culprit := re.search(_NOT_FOR_XML, text)):
             raise EmitterError(say("name-not-for-xml", found=shown(text), number=ord(culprit.group())))
         return text
@@ -96,11 +92,7 @@ class Notation:
 def urdf_tree(
     robot: Robot, name: str, notation: Notation, *, mujoco: bool = True, shared_materials: bool = True
 ) -> etree._Element:
-    """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for.
-
-    Raises:
-        EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
-    """
+    """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for."""
     root = etree.Element("robot", name=name)
     if mujoco:
         append_mujoco_options(root, robot)
@@ -112,14 +104,13 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
     """Appends the materials, then the links from the base to the tip, each after the joint that holds it.
 
     Materials that are not shared are written into each visual.
-
-    Raises:
-        EmitterError: a name cannot be written, a limit is missing, or one material name has two colours.
     """
-    materials = _materials(robot)
-    if shared_materials:
-        for material in materials:
-            _append_material(parent, material, notation)
+    materials: dict[str, Material] = {}
+    for visual in (visual for link in robot.links for visual in link.visuals):
+        if (material := visual.material) and materials.setdefault(material.name, material) != material:
+            raise refused(robot, "material-of-two-colours", material=material.name)
+    for material in materials.values() if shared_materials else ():
+        _append_material(parent, material, notation)
     joint_to = {joint.child: joint for joint in robot.joints}
     for link in robot.links:
         if joint := joint_to.get(link.name):
@@ -159,11 +150,7 @@ def serialise(root: etree._Element, comment: str = "") -> bytes:
 
 
 def check_lines(content: bytes) -> None:
-    """Checks that readers take every line of a file whole.
-
-    Raises:
-        EmitterError: a line is too long.
-    """
+    """Checks that readers take every line of a file whole."""
     for number, line in enumerate(content.splitlines(), start=1):
         if len(line) > LONGEST_LINE:
             found = shown(line.decode("utf-8").strip())
@@ -174,15 +161,6 @@ def _comment(text: str) -> etree._Comment:
     """A comment that ends where it should: XML 1.0, section 2.5, allows no ``--`` in it."""
     plain = re.sub("-(?=-)", "- ", shown(text, LONGEST_COMMENT)[1:-1])
     return etree.Comment(f" {plain} ")
-
-
-def _materials(robot: Robot) -> list[Material]:
-    """The materials of a robot, each once."""
-    materials: dict[str, Material] = {}
-    for visual in (visual for link in robot.links for visual in link.visuals):
-        if (material := visual.material) and materials.setdefault(material.name, material) != material:
-            raise EmitterError(say("material-of-two-colours", robot=robot.name, material=material.name))
-    return list(materials.values())
 
 
 def _append_material(parent: etree._Element, material: Material, notation: Notation) -> None:
@@ -197,7 +175,13 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
     etree.SubElement(element, "child", {"link": notation.name(joint.child)})
     if joint.type is not JointType.FIXED:
         etree.SubElement(element, "axis", {"xyz": notation.numbers(joint.axis)})
-        etree.SubElement(element, "limit", _limits(joint, notation))
+        limit = etree.SubElement(element, "limit")
+        for name in LIMITS_OF[joint.type]:  # An incomplete limit is refused by most readers.
+            value = getattr(joint.limits, name)
+            if value is None:
+                about = {"joint": joint.name, "field": f"limits.{name}", "type": joint.type.value, "name": name}
+                raise EmitterError(say("limit-needed", joint.mark, **about))
+            limit.set(name, notation.number_of_joint(joint, name, value))
     dynamics = {
         name: notation.number_of_joint(joint, name, value)
         for name, value in (("damping", joint.damping), ("friction", joint.friction))
@@ -205,18 +189,6 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
     }
     if dynamics:
         etree.SubElement(element, "dynamics", dynamics)
-
-
-def _limits(joint: Joint, notation: Notation) -> dict[str, str]:
-    """The limits that URDF requires of a joint of its type: an incomplete one is refused by most readers."""
-    attributes = {}
-    for name in LIMITS_OF[joint.type]:
-        value = getattr(joint.limits, name)
-        if value is None:
-            about = {"joint": joint.name, "field": f"limits.{name}", "type": joint.type.value, "name": name}
-            raise EmitterError(say("limit-needed", joint.mark, **about))
-        attributes[name] = notation.number_of_joint(joint, name, value)
-    return attributes
 
 
 def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shared_materials: bool) -> None:
@@ -236,8 +208,7 @@ def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shar
 
 def _append_shape(element: etree._Element, shape: Visual | Collision, notation: Notation) -> None:
     _append_origin(element, shape.origin, notation)
-    geometry = etree.SubElement(element, "geometry")
-    etree.SubElement(geometry, *_primitive(shape.geometry, notation))
+    etree.SubElement(etree.SubElement(element, "geometry"), *primitive(shape.geometry, notation))
 
 
 def _append_origin(parent: etree._Element, origin: Origin, notation: Notation) -> None:
@@ -248,8 +219,8 @@ def _append_origin(parent: etree._Element, origin: Origin, notation: Notation) -
     etree.SubElement(parent, "origin", attributes)
 
 
-def _primitive(geometry: Geometry, notation: Notation) -> tuple[str, dict[str, str]]:
-    """Tag and attributes of a shape."""
+def primitive(geometry: Geometry, notation: Notation) -> tuple[str, dict[str, str]]:
+    """Tag and attributes of a shape, which are elements in SDF."""
     match geometry:
         case Box(size=size, size_formula=formulas):
             return "box", {"size": notation.lengths(size, formulas)}

@@ -417,7 +417,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 530,
     "plugins/dh2urdf_plugins/executors": 520,
     "plugins/dh2urdf_plugins/extraction": 1090,
-    "plugins/dh2urdf_plugins/formats": 4370,
+    "plugins/dh2urdf_plugins/formats": 4150,
     "plugins/dh2urdf_plugins/loaders": 2920,
     "plugins/dh2urdf_plugins/packages": 2210,
     "plugins/dh2urdf_plugins/readers": 8040,

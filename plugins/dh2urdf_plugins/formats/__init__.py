@@ -29,13 +29,9 @@ foreign_urdf, foreign_xacro, foreign_sdf, foreign_mjcf = (
 
 
 def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool = False) -> tuple[Checks, ...]:
-    """The capability `Checks` of an emitter; none where the plugin of ``dh2urdf check`` is not installed.
+    """The capability `Checks` of an emitter, with functions of the plugin of ``dh2urdf check`` as ``module:name``.
 
-    Args:
-        check: the function of the plugin, as ``module:name``, which is imported when it is called.
-        descriptions: another one.
-        fix: another one, or none.
-        finds_packages: as in `Checks`.
+    There is none where the plugin is not installed.
     """
     if find_spec("dh2urdf_check") is None:
         return ()

@@ -34,21 +34,13 @@ _ESCAPED = re.compile('[&<>"]')
 
 
 class ColumnNotation(Notation):
-    """Writes slots for columns.
-
-    Attributes:
-        columns: what belongs into the slots: the first column into slot 0.
-    """
+    """Writes slots for columns; the first column belongs into slot 0."""
 
     def __init__(self) -> None:
         self.columns: list[Any] = []
 
     def text(self, text: str) -> str:
-        """A text that is the same in every file.
-
-        Raises:
-            EmitterError: it could be taken for a slot, or XML cannot hold one of its characters.
-        """
+        """A text that is the same in every file, and could not be taken for a slot."""
         if _OPEN in text:
             raise EmitterError(say("name-with-slot", found=text))
         return super().text(text)
@@ -63,11 +55,7 @@ class ColumnNotation(Notation):
 
 
 def filled_in(robots: RobotColumns) -> list[bytes | None]:
-    """The URDF of each of many robots; None for one that is not sure, or whose name or comment has to be escaped.
-
-    Raises:
-        EmitterError: the robot cannot be written, or one file is not another with other numbers.
-    """
+    """The URDF of each of many robots; None for one that is not sure, or whose name or comment has to be escaped."""
     told = zip(robots.sure.tolist(), robots.names, robots.comments, strict=True)
     written = [
         index
@@ -127,15 +115,12 @@ def _joined(parts: Iterable[list[Any]]) -> tuple[list[bytes], Callable[[list[byt
 
 
 def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:
-    """Where in a template the shapes are that not all robots have, and which have them.
-
-    Raises:
-        EmitterError: a link has nothing else, so its element would be written in another form.
-    """
+    """Where in a template the shapes are that not all robots have, and which have them."""
     spans = (match.span() for match in _COLLISION.finditer(template))
     for place, link in enumerate(robots.robot.links):
         masks = [robots.present.get((place, number)) for number, _ in enumerate(link.collisions)]
         if masks and not link.inertial and not link.visuals and all(mask is not None for mask in masks):
+            # An element with nothing else would be written in another form.
             raise EmitterError(say("links-empty-in-some"))
         for mask in masks:
             span = next(spans)

@@ -31,17 +31,11 @@ FORMS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joints:
-    """The joints of parts of files, or of files, that differ in numbers only.
+    """The joints of parts of files, or of files, that differ in numbers only."""
 
-    Attributes:
-        robot: those of one of them, with the names of its links.
-        places: for each joint, where among the numbers of joints those of its attributes begin.
-        count: how many numbers of joints there are.
-    """
-
-    robot: Robot
-    places: tuple[dict[Attribute, int], ...]
-    count: int
+    robot: Robot  # with the joints of one of them, and the names of its links
+    places: tuple[dict[Attribute, int], ...]  # for each joint, where among the numbers those of its attributes begin
+    count: int  # how many numbers of joints there are
 
     @property
     def kind(self) -> object:
@@ -61,27 +55,16 @@ class Joints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Parts of files, or files, that are the same bytes but for the numbers in them.
-
-    Attributes:
-        joints: their joints.
-        of_joints: the places of the numbers of joints among the values of attributes.
-        others: the places of the other numbers.
-        values: how many values there are.
-    """
+    """Parts of files, or files, that are the same bytes but for the numbers in them."""
 
     joints: Joints
-    of_joints: tuple[int, ...]
-    others: tuple[int, ...]
-    values: int
+    of_joints: tuple[int, ...]  # the places of the numbers of joints among the values of attributes
+    others: tuple[int, ...]  # the places of the other numbers
+    values: int  # how many values there are
 
 
 class Alike:
-    """Files that consist of the same parts.
-
-    Attributes:
-        joints: their joints.
-    """
+    """Files that consist of the same parts, and their joints."""
 
     def __init__(self, joints: Joints, parts: tuple[Part, ...]) -> None:
         self.joints, self._parts = joints, parts
@@ -91,19 +74,19 @@ class Alike:
         self._traces: dict[int, int] = {}
 
     def see(self, text: bytes, total: int) -> Form | None:
-        """Compares the numbers of some files, and returns their form each time that they are twice as many.
-
-        Args:
-            text: what is after the name in one more file.
-            total: how many files were read in all, of any parts.
-        """
+        """Compares one more file of `total`, of any parts; returns their form each time that they are twice as many."""
         self._since = self._since or total
         self._seen += 1
         if self._seen % _LOOKED_AT or self._seen * FORMS < total - self._since:
             return None
         values = text.split(b'"')[1::2]
         if not self._first:
-            self._first, self._part = values, _together(self.joints, self._parts)
+            starts = [*accumulate([part.values for part in self._parts], initial=0)]
+            of_joints, others = (
+                tuple([start + place for start, each in zip(starts, places, strict=False) for place in each])
+                for places in ([part.of_joints for part in self._parts], [part.others for part in self._parts])
+            )
+            self._first, self._part = values, Part(self.joints, of_joints, others, starts[-1])
             self._traces = dict.fromkeys(sorted((*self._part.of_joints, *self._part.others)), 0)
         self._varying.update([place for place in self._traces if values[place] != self._first[place]])
         # Numbers with the same trace were the same text in every file. Where this is wrong, a file has no form.
@@ -123,9 +106,6 @@ class Form:
         part: what such files are.
         pieces: what the quotes cut one of them into.
         traces: the places of the values that vary; values with the same trace are the same text.
-
-    Attributes:
-        part: what such files are.
     """
 
     def __init__(self, part: Part, pieces: list[bytes], traces: dict[int, int]) -> None:
@@ -186,16 +166,6 @@ def _spans(values: Sequence[bytes], places: Iterable[int]) -> dict[int, range]:
     counts = {place: values[place].count(b" ") + 1 for place in places}
     ends = accumulate(counts.values())
     return {place: range(end - count, end) for (place, count), end in zip(counts.items(), ends, strict=True)}
-
-
-def _together(joints: Joints, parts: Sequence[Part]) -> Part:
-    """A file of some parts as one part."""
-    starts = [*accumulate([part.values for part in parts], initial=0)]
-    of_joints, others = (
-        tuple([start + place for start, each in zip(starts, places, strict=False) for place in each])
-        for places in ([part.of_joints for part in parts], [part.others for part in parts])
-    )
-    return Part(joints, of_joints, others, starts[-1])
 
 
 def numbers_in(text: bytes) -> list[float] | None:

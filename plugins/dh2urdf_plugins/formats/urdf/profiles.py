@@ -60,11 +60,7 @@ FOR_GAZEBO_TOO: tuple[ProfileName, ...] = ("portable", "ros")
 
 
 def adapted(robot: Robot, profile: Profile) -> Robot:
-    """The robot that a profile's file describes.
-
-    Raises:
-        EmitterError: the profile's name for something is taken, or two names become one there.
-    """
+    """The robot that a profile's file describes."""
     if profile == PROFILES["portable"]:
         return robot
     if profile == PROFILES["coppeliasim"]:

@@ -68,16 +68,12 @@ _NUMBERS = {
 
 
 class _Layout:
-    """Which values of texts with the same markup are words and which are numbers.
-
-    Attributes:
-        known: the parts of such markup, by the words and by what is between the numbers.
-    """
+    """Which values of texts with the same markup are words and which are numbers."""
 
     def __init__(self, part: Part) -> None:
         self._words = picker(sorted({*range(part.values)}.difference(part.of_joints, part.others)))
         self._of_joints, self._others = picker(part.of_joints), picker(part.others)
-        self.known: dict[tuple[object, ...], Part] = {}
+        self.known: dict[tuple[object, ...], Part] = {}  # by the words and by what is between the numbers
 
     def key(self, values: Sequence[bytes]) -> tuple[tuple[object, ...], bytes, bytes]:
         """The key of a text in `known`, the numbers of its joints and the others, with commas between them."""
@@ -87,16 +83,13 @@ class _Layout:
 
 
 class _Place:
-    """The parts that were met at a place of files.
+    """The parts, of `size` bytes, that were met at a place of files.
 
     Args:
         kinds: the joints that were met anywhere, by their kind.
         before: what is before the parts in the file in which they are learned, from the root on.
         after: what is after them there.
         head: the joints before them.
-
-    Attributes:
-        size: bytes of the parts.
     """
 
     def __init__(
@@ -145,7 +138,8 @@ class _Place:
         numbers = [place for place, (element, name) in enumerate(attributes) if (str(element.tag), name) in _NUMBERS]
         if any(b"," in values[place] or numbers_in(values[place]) is None for place in numbers):
             return None  # What is not written so has spaces that may mean something else.
-        of_joints = [place for place in numbers if _is_of_joint(attributes[place][0])]
+        own = {each for joint in root.iterchildren("joint") for each in joint}
+        of_joints = [place for place in numbers if attributes[place][0] in own]
         counts = [len(values[place].split(b" ")) for place in of_joints]
         starts = {
             attributes[place]: start for place, start in zip(of_joints, accumulate(counts, initial=0), strict=False)
@@ -173,11 +167,12 @@ class _Scanner:
     reader: after the first part of the file, where materials are defined. If that is the URDF of a robot, and the first
     part by itself is as well, then the part begins and ends inside the root and outside all other elements, so that it
     is well-formed after whatever other parts. Where a quarter of the files have the same parts, their form is learned.
+    A file that cannot be cut so is for the slow reader.
     """
 
     def __init__(self) -> None:
         self._kinds: dict[object, Joints] = {}
-        self._whole, self._first = _Place(self._kinds), _Place(self._kinds, after=_END)
+        self._first = _Place(self._kinds, after=_END)
         self._others: dict[tuple[bytes, Part], tuple[_Place, _Place]] = {}  # by margin and first part: those, the last
         self._joined: dict[tuple[Joints, ...], Joints] = {}
         self._alike: dict[tuple[Part, ...], Alike] = {}
@@ -187,15 +182,11 @@ class _Scanner:
     @property
     def size(self) -> int:
         """Bytes of the parts and files that are remembered."""
-        places = (self._whole, self._first, *chain(*self._others.values()))
+        places = (self._first, *chain(*self._others.values()))
         return sum([place.size for place in places]) + _OF_ALIKE * len(self._alike)
 
     def scan(self, heads: Mapping[int, re.Match[bytes]]) -> Iterator[tuple[Joints, list[int], Any]]:
-        """The joints of files and a table of their numbers, by the places of the files.
-
-        Args:
-            heads: what is before and in the name of each file's robot.
-        """
+        """The joints of files and a table of their numbers, by the places of the files, and the heads of these."""
         formed: dict[Form, tuple[list[int], list[bytes]]] = {}
         rest = []
         for place, head in heads.items():
@@ -225,10 +216,7 @@ class _Scanner:
 
     def read(self, text: bytes) -> tuple[Joints, list[float]] | None:
         """The joints of a file and their numbers, of what is after its name; None where it is for the slow reader."""
-        found = self._whole.read(text) if self._whole.size else None
-        cut = [found] if found else self._cut(text)
-        if cut is None and (found := self._whole.learned(text)):
-            cut = [found]
+        cut = self._cut(text)
         if cut is None:
             return None
         parts, of_joints, others = zip(*cut, strict=True)
@@ -291,14 +279,9 @@ _scanner = _Scanner()
 def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     """The joints of many URDF files, in groups whose members differ in numbers only.
 
-    A file that is not surely read as `reader` reads it is in no group, whatever the others are.
-
-    Args:
-        contents: the files.
-
-    Returns:
-        For each group the places of its members among the files, and a robot with their joints, whose numbers are
-        columns as in `dh2urdf.columns`, and the names of their links; its name is the first one's.
+    A file that is not surely read as `reader` reads it is in no group, whatever the others are. Each group is the
+    places of its members among the files, and a robot with their joints, whose numbers are columns as in
+    `dh2urdf.columns`, and the names of their links; its name is the first one's.
     """
     import numpy as np
 
@@ -306,7 +289,12 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
     if _scanner.size > _MOST:
         _scanner = _Scanner()
     found = ((place, _HEAD.match(content)) for place, content in enumerate(contents))
-    heads = [(place, head) for place, head in found if head and _is_printable(head[0])]
+    # Neither is there what is not UTF-8 or XML cannot hold, nor what nobody sees.
+    heads = [
+        (place, head)
+        for place, head in found
+        if head and head[0].translate(None, _LINE_ENDS_AND_TABS).decode(errors="surrogateescape").isprintable()
+    ]
     groups: dict[Joints, tuple[list[int], list[Any]]] = {}
     for start in range(0, len(heads), _FILES_AT_ONCE):
         for joints, some, table in _scanner.scan(dict(heads[start : start + _FILES_AT_ONCE])):
@@ -321,20 +309,6 @@ def scan_columns(contents: Sequence[bytes]) -> list[tuple[list[int], Robot]]:
         name = names[ordered[0]][1].decode()
         read.append((ordered, joints.with_numbers(name, np.concatenate(tables)[order])))
     return sorted(read, key=lambda group: group[0][0])
-
-
-def _is_printable(head: bytes) -> bool:
-    """Whether a text is UTF-8 without any character that XML cannot hold, or that nobody sees."""
-    try:
-        return head.translate(None, _LINE_ENDS_AND_TABS).decode().isprintable()
-    except UnicodeDecodeError:
-        return False
-
-
-def _is_of_joint(element: etree._Element) -> bool:
-    """Whether an element is what a joint of the robot declares itself."""
-    joint = element.getparent()
-    return joint is not None and joint.tag == "joint" and joint.getparent() is element.getroottree().getroot()
 
 
 def _places(joint: etree._Element, starts: dict[tuple[etree._Element, str], int]) -> dict[Attribute, int]:

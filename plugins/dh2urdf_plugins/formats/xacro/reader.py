@@ -31,38 +31,19 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 def read_xacro(path: Path) -> Robot:
-    """The robot of a xacro file, expanded with the defaults of its arguments.
-
-    Raises:
-        ProofError: xacro cannot expand the file, or what comes out is not the URDF of a robot.
-    """
+    """The robot of a xacro file, expanded with the defaults of its arguments."""
     return parse_urdf(expand(path), f"{path} (expanded)")
 
 
 def read_foreign_xacro(path: Path, expansion: Expansion | None = None) -> Robot:
-    """The robot of a xacro file of unknown origin, expanded where it can do no harm.
-
-    Args:
-        path: the file.
-        expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
-
-    Raises:
-        ProofError: xacro cannot expand the file, something in it is refused, or what comes out is no robot's URDF.
-    """
+    """The robot of a xacro file of unknown origin, expanded where it can do no harm."""
     return parse_urdf(expand_foreign(path, expansion).content, f"{path} (expanded)")
 
 
 def expand(path: Path, arguments: Mapping[str, str] | None = None) -> bytes:
-    """The text that the real xacro makes of a file that this project wrote.
+    """The text that the real xacro makes of a file that this project wrote, with values of its arguments.
 
     It evaluates the expressions of the file as Python does, in this process: `expand_foreign` is for all other files.
-
-    Args:
-        path: the file.
-        arguments: values of its ``xacro:arg`` elements.
-
-    Raises:
-        ProofError: xacro cannot expand the file.
     """
     with _ONE_AT_A_TIME:
         xacro = _own_xacro()

@@ -28,12 +28,7 @@ from dh2urdf.robot import Inertial
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats import numbered_name
-from dh2urdf_plugins.formats.urdf.profiles import (
-    PROFILES,
-    Profile,
-    adapted,
-    append_transmissions,
-)
+from dh2urdf_plugins.formats.urdf.profiles import PROFILES, Profile, adapted, append_transmissions
 from dh2urdf_plugins.formats.urdf.writer import (
     Notation,
     append_comment,
@@ -133,12 +128,7 @@ def macro_name(robot_name: str, stem: str) -> str:
 
 
 def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, ...]:
-    """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, a parameter's name is not one of a xacro property, or the robot
-            lacks what URDF requires.
-    """
+    """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open."""
     notation, profile, single_file = XacroNotation(), PROFILES[options.profile], options.single_file
     robot = adapted(robot, profile)
     macros = macros_of(robot, stem)
@@ -191,10 +181,7 @@ def append_arguments(top: etree._Element, defaults: Mapping[str, str]) -> None:
 
 
 def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> None:
-    """Appends the call of a macro with the arguments of the file, and the link that the caller wants the arm on.
-
-    `files` are further arguments, which the macro takes by the same names.
-    """
+    """Appends the call of a macro with the arguments of the file, also `files`, and the link that the arm is on."""
     mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
     etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
     call = append_element(top, macro, **_passed_on("$(arg {})", files))
@@ -210,11 +197,8 @@ def append_call_of_arm(top: etree._Element, macro: str, arm: Arm, notation: Nota
 
 def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, str] | None = None) -> None:
     """Appends a second macro of the same arm, for a call without a block; `files` are further parameters."""
-    files = files or {}
-    append_comment(
-        parent,
-        f'The same without a block, which xacro cannot leave out: <xacro:{macro}_at parent="world" xyz="0 0 1"/>.',
-    )
+    files, example = files or {}, f'<xacro:{macro}_at parent="world" xyz="0 0 1"/>'
+    append_comment(parent, f"The same without a block, which xacro cannot leave out: {example}.")
     defaults = [f"{name}:='{default}'" for name, default in {**PLACEMENT, **files}.items()]
     placed = append_element(parent, "macro", name=f"{macro}_at", params=" ".join(defaults))
     call = append_element(placed, macro, **_passed_on("${{{}}}", files))
@@ -247,7 +231,21 @@ def append_macro(library: etree._Element, name: str, parameters: str = "") -> et
 def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
     notation = XacroNotation(robot.parameters)
     macro = append_macro(parent, name)
-    _append_properties(macro, robot)
+    has_meshes_too = ", meshes" if has_meshes(robot) else ""
+    if robot.parameters:
+        append_comment(
+            macro,
+            "The table: edit the arm here. Origins and shapes follow these properties; "
+            f"axes, limits, masses{has_meshes_too} and inertias are numbers that do not.",
+        )
+    for joint, group in groupby(robot.parameters, key=lambda parameter: parameter.joint):
+        row = list(group)
+        units = dict.fromkeys(parameter.unit for parameter in row)
+        listed = "; ".join(f"{', '.join(p.name for p in row if p.unit == unit)} [{unit}]" for unit in units)
+        append_comment(macro, f"joint {shown(joint)}: {listed}")
+        for parameter in row:
+            value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
+            append_element(macro, "property", name=property_name(parameter), value=value)
     append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
     if profile.transmissions:
@@ -259,32 +257,8 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
         next(macro.iterchildren("link")).insert(0, mounted)
 
 
-def _append_properties(macro: etree._Element, robot: Robot) -> None:
-    """Appends the numbers of the table, each joint's after a comment that names it, them and their units."""
-    parameters = robot.parameters
-    if not parameters:
-        return
-    append_comment(
-        macro,
-        "The table: edit the arm here. Origins and shapes follow these properties; "
-        f"axes, limits, masses{', meshes' if has_meshes(robot) else ''} and inertias are numbers that do not.",
-    )
-    for joint, group in groupby(parameters, key=lambda parameter: parameter.joint):
-        row = list(group)
-        units = dict.fromkeys(parameter.unit for parameter in row)
-        listed = "; ".join(f"{', '.join(p.name for p in row if p.unit == unit)} [{unit}]" for unit in units)
-        append_comment(macro, f"joint {shown(joint)}: {listed}")
-        for parameter in row:
-            value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
-            append_element(macro, "property", name=property_name(parameter), value=value)
-
-
 def property_name(parameter: Parameter) -> str:
-    """The name of a parameter as that of a property.
-
-    Raises:
-        EmitterError: xacro cannot have a property of the name, or a formula would take it for something else.
-    """
+    """The name of a parameter, where xacro may have a property of it and no formula means something else by it."""
     name = parameter.name
     if not name.isidentifier() or iskeyword(name) or name.startswith("__") or name in _WORDS_IN_USE:
         words = sorted(_WORDS_IN_USE)

@@ -1,27 +1,22 @@
 """Loads in child processes: each has its own, or a fork of one that has imported the simulator before.
 
 Nothing that a load does may change what is reported of the next manipulator. So a child that is kept only imports its
-simulator, and makes every load in a fork of itself. It is ended after a load that crashed, left, was too late or left a
-process behind. What was printed while the simulator was imported is part of the output of each load, as if it were the
-only one.
+simulator, and makes every load in a fork of itself. What was printed while the simulator was imported is part of the
+output of each load, as if it were the only one.
 """
 
 from __future__ import annotations
 
 import os
-import threading
 import time
-import weakref
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, update_wrapper
 from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.errors import CrashError, LoaderError
-from dh2urdf.isolation.child_process import Child, ChildFailure, pickled_call, run_in_child
+from dh2urdf.isolation.child_process import ChildFailure, run_in_child
 from dh2urdf.isolation.encodings import Data
-from dh2urdf.isolation.process import is_own
 from dh2urdf.measuring import load_function
 from dh2urdf.plugin_system.calls import a_record, several_records
 from dh2urdf.source import Problem
@@ -29,9 +24,8 @@ from dh2urdf.stages import LoadReport, Reusable
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from typing import Self
 
-    from dh2urdf.isolation.child_process import ChildResult
+    from dh2urdf.isolation.kept_children import KeptChildren
     from dh2urdf.stages import Loader, LoadRequest
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
@@ -75,7 +69,10 @@ def load_in_child(
             # A person ends one without a limit, by closing its window.
             child = run_in_child(load, request, options, timeout=limit, who=who, encoding=_REPORT)
         else:
-            child = children.load(reusable.prepare, load, request, options, limit, who)
+            started = time.monotonic()  # A part of the time may be needed for the import.
+            with children.child(reusable.prepare, (options,), limit, who) as kept:
+                spent = time.monotonic() - started
+                child = kept.call(load, (request, options), limit, who, _REPORT, in_fork=True, spent=spent)
     except (LoaderError, CrashError) as error:
         output = error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
         raise type(error)(tuple(told(error.problems, output))) from error
@@ -102,84 +99,3 @@ def _tuples(value: Any) -> Any:  # noqa: ANN401 - plain values of a report
         return value
     is_flat = value and not any(isinstance(each, (list, dict)) for each in value)
     return tuple(value) if is_flat else [_tuples(each) for each in value]
-
-
-class KeptChildren:
-    """The children of a process that loads, by their loaders and options: a context that ends all of them.
-
-    Several threads may use them: a child serves one load at a time. A copy in another process begins without any.
-    """
-
-    def __init__(self) -> None:
-        self._idle: dict[bytes, list[Child]] = {}
-        self._changing = threading.Lock()
-        weakref.finalize(self, _end_all, self._idle, os.getpid())
-
-    def __reduce__(self) -> tuple[type[KeptChildren], tuple[()]]:
-        return KeptChildren, ()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        with self._changing:
-            _end_all(self._idle, os.getpid())
-
-    @contextmanager
-    def kept(self, *, is_worker: bool) -> Iterator[None]:
-        """A context in which children are kept: for longer, unless this is a worker that goes on after the run."""
-        try:
-            yield
-        finally:
-            if is_worker and not is_own():
-                self.__exit__()
-
-    def load(  # noqa: PLR0917 - what is known of a load
-        self,
-        prepare: Callable[[Any], None],
-        load: Callable[[LoadRequest, Any], LoadReport],
-        request: LoadRequest,
-        options: Any,  # noqa: ANN401 - of any loader
-        timeout: float,
-        who: str,
-    ) -> ChildResult[LoadReport]:
-        """Return what a loader returns, and what was printed meanwhile; errors are those of `run_in_child`.
-
-        `prepare` imports its simulator (`dh2urdf.stages.Reusable`), for which a part of the timeout [s] may be needed.
-        """
-        key = pickled_call(prepare, (load, options), who)
-        child, begun = self._taken(key), time.monotonic()
-        if child is None:
-            child = Child.started()
-            try:
-                child.call(prepare, (options,), timeout, who)
-            except BaseException:
-                child.end()
-                raise
-            child.printed_before = child.output.text()
-        try:
-            spent = time.monotonic() - begun
-            return child.call(load, (request, options), timeout, who, _REPORT, in_fork=True, spent=spent)
-        finally:
-            if child.is_alive():
-                with self._changing:
-                    self._idle.setdefault(key, []).append(child)
-            else:
-                child.end()
-
-    def _taken(self, key: bytes) -> Child | None:
-        """Return a child that has nothing to do."""
-        with self._changing:
-            while idle := self._idle.get(key):
-                child = idle.pop()
-                if child.is_alive():
-                    return child
-                child.end()
-        return None
-
-
-def _end_all(idle: dict[bytes, list[Child]], owner: int) -> None:
-    if os.getpid() == owner:  # A process that was forked off has copies of them, which are not its own to end.
-        for child in [child for children in idle.values() for child in children]:
-            child.end()
-    idle.clear()

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.conversion.loads import KeptChildren
     from dh2urdf.conversion.one_manipulator import Recipe, Written
+    from dh2urdf.isolation.kept_children import KeptChildren
     from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     )
     from dh2urdf.isolation.encodings import PICKLED as PICKLED, Data as Data
     from dh2urdf.isolation.fence import enter as enter, tell_of_missing_wall as tell_of_missing_wall
+    from dh2urdf.isolation.kept_children import KeptChildren as KeptChildren
     from dh2urdf.isolation.process import claim as claim, is_own as is_own
 else:
     __all__, __getattr__, __dir__ = late_names(
@@ -25,6 +26,7 @@ else:
             "child_process": "Child ChildFailure last_words result_of run_in_child",
             "encodings": "PICKLED Data",
             "fence": "enter tell_of_missing_wall",
+            "kept_children": "KeptChildren",
             "process": "claim is_own",
         },
     )

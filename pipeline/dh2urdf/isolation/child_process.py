@@ -5,8 +5,8 @@ fault, others leave the interpreter. In a child process, that costs one manipula
 ended and what it printed before.
 
 A `Child` is a plain subprocess: unlike one of `multiprocessing` it may be started by a worker of a process pool, and
-needs no ``if __name__ == "__main__"`` in the user's script. It serves a single call (`run_in_child`), the loads of one
-simulator (`dh2urdf.conversion.loads`) or the tasks of a worker (the executor `local`).
+needs no ``if __name__ == "__main__"`` in the user's script. It serves a single call (`run_in_child`), several callers
+one after the other (`dh2urdf.isolation.kept_children`), or the tasks of a worker (the executor `local`).
 """
 
 from __future__ import annotations
@@ -138,6 +138,7 @@ class Child:
 
     Attributes:
         output: what was printed since the last call began.
+        prepared: what was returned when it was prepared, alone in a tuple; see `dh2urdf.isolation.kept_children`.
         printed_before: what belongs before the output of each call, such as that of an import.
         who: who was at work when it ended, with distribution and version; empty before, and where nobody was.
 
@@ -150,6 +151,7 @@ class Child:
 
         self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
         self.output, self.printed_before = Output(), ""
+        self.prepared: tuple[Any] | None = None
         self._name.write(bytes(NAME_SIZE))  # where the child writes which stage runs: it outlives the child
         number = self._name.fileno()
         try:

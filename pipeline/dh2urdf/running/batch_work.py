@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 import orjson
 
 from dh2urdf.conversion.keys import column_keys, key_of, whole
-from dh2urdf.conversion.loads import KeptChildren
 from dh2urdf.conversion.one_manipulator import (
     Recipe,
     Written,
@@ -33,7 +32,8 @@ from dh2urdf.conversion.simulators import load_with_all, not_loaded, time_limit_
 from dh2urdf.errors import InputError, ManipulatorError, OutputError, StageError, TableError
 from dh2urdf.fields import many_unchecked
 from dh2urdf.isolation.attribution import collected_lines
-from dh2urdf.isolation.process import collected_at_the_end, this_process, watched
+from dh2urdf.isolation.kept_children import KeptChildren
+from dh2urdf.isolation.process import collected_at_the_end, is_own, this_process, watched
 from dh2urdf.kinematics.proof import Proof, prove_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.journal import Journal
@@ -109,7 +109,8 @@ class BatchWorker:
     def __call__(self, batch: Batch) -> BatchReport:
         """Make a batch, and put it in its place."""
         is_worker = self.home != this_process()
-        kept = self.children.kept(is_worker=is_worker)
+        # A worker that is no process of ours goes on after the run, and keeps no children.
+        kept = self.children if is_worker and not is_own() else nullcontext()
         with kept, own_work(), collected_at_the_end(), collected_lines(is_worker=is_worker) as lines:
             report = Work(self, batch).done()
         return replace(report, printed=tuple(lines))

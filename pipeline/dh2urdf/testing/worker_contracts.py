@@ -15,8 +15,9 @@ from itertools import count, islice
 from operator import mul, truediv
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from dh2urdf.conversion.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import CrashError, LoaderError, PluginError
+from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.measuring import load_function
 from dh2urdf.plugin_system.catalog import load

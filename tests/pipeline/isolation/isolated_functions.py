@@ -19,11 +19,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
-from dh2urdf.conversion.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import LoaderError, ProofError
 from dh2urdf.isolation import enter
 from dh2urdf.isolation.child_process import LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES
+from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.source import Problem
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, ReadsOutput, Reusable
 

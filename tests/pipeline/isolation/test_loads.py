@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import pytest
 from other_fields import with_field
 
-from dh2urdf.conversion.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import CrashError, LoaderError, TimeLimitError
 from dh2urdf.isolation.child_process import KEPT_OUTPUT
+from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadReport, LoadRequest, NoOptions
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 
-from dh2urdf.conversion.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import LoaderError, MissingDependencyError, PluginError
+from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.plugin_system import load as load_catalog
 from dh2urdf.robot import Collision, Cylinder, Origin
 

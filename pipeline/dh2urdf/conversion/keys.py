@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.conversion.one_manipulator import Recipe
-    from dh2urdf.isolation.attribution import Plugin
 
 DIGITS = 32
 """Hexadecimal digits of a key: 128 bits, so that no two of a million manipulators share one by chance."""
@@ -38,13 +37,19 @@ DIGITS = 32
 
 def recipe_key(recipe: Recipe) -> str:
     """Return the key of all that is done with every manipulator."""
-    stages = [(call.kind, call.stage.name, _code_of(call.plugin), whole(call.options)) for call in recipe.calls]
+    stages: list[tuple[object, ...]] = []
     files: list[tuple[str, str | None]] = []
-    for path in (path for call in recipe.calls for path in call.files):
-        digest = None  # where it cannot be read, which its stage reports
-        with suppress(OSError), path.open("rb") as file:
-            digest = file_digest(file, "sha256").hexdigest()
-        files.append((str(path), digest))
+    for call in recipe.calls:
+        version = code = ""  # of the plugin; the code is unknown where no entry point names it
+        if call.plugin is not None:
+            version, entry = call.plugin.distribution, call.plugin.name.partition(" = ")[2]
+            code = code_hash(entry, call.plugin.distribution_name) if entry and call.plugin.is_installed else ""
+        stages.append((call.kind, call.stage.name, (version, code), whole(call.options)))
+        for path in call.files:
+            digest = None  # where it cannot be read, which its stage reports
+            with suppress(OSError), path.open("rb") as file:
+                digest = file_digest(file, "sha256").hexdigest()
+            files.append((str(path), digest))
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()))
     own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)
@@ -55,14 +60,6 @@ def recipe_key(recipe: Recipe) -> str:
 
 _IMPORTS = re.compile(rb"^[ \t]*(?:from|import)[ \t]+(.+)", re.MULTILINE)
 _WORD = re.compile(rb"\w+")
-
-
-def _code_of(plugin: Plugin | None) -> tuple[str, str]:
-    """Return the version of a plugin and the hash of its code, which is empty where no entry point names the code."""
-    if plugin is None:
-        return "", ""
-    entry = plugin.name.partition(" = ")[2] if plugin.is_installed else ""
-    return plugin.distribution, code_hash(entry, plugin.distribution_name) if entry else ""
 
 
 @lru_cache(maxsize=64)
@@ -134,6 +131,8 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
         recipe: the key of the recipe.
         contexts: what besides its table counts for each: where it goes, where it comes from, how it is looked at.
     """
+    import numpy as np
+
     table = columns.table
     numbers: list[Any] = []
     forms: list[Any] = []
@@ -145,8 +144,11 @@ def column_keys(columns: ManipulatorColumns, recipe: str, contexts: Sequence[obj
         words = [word.value if isinstance(word, Enum) else word for word in _words_of(row)]
         forms.append((*words, given))
     common = key_of((table.convention.value, _others_of(table), forms, table.notices), recipe)
-    rows = zip(columns.names, contexts, _bytes_of(numbers, len(columns)), strict=True)
-    return [key_of((name, context), common, row) for name, context, row in rows]
+    of_members = np.zeros((len(columns), len(numbers)))
+    for index, column in enumerate(numbers):
+        of_members[:, index] += column  # added to 0: the sign of a zero tells nothing
+    rows = zip(columns.names, contexts, of_members, strict=True)
+    return [key_of((name, context), common, row.tobytes()) for name, context, row in rows]
 
 
 def whole(what: object) -> object:
@@ -171,13 +173,3 @@ def key_of(what: object, recipe: str, numbers: bytes = b"") -> str:
 _others_of = attrgetter(*(name for name in COMMON if name not in {"convention", "notices"}))
 _words_of = attrgetter(*WORDS)
 _numbers_of = attrgetter(*NUMBERS, *(f"limits.{name}" for name in LIMITS))
-
-
-def _bytes_of(numbers: Sequence[Any], count: int) -> list[bytes]:
-    """The numbers of each member."""
-    import numpy as np
-
-    table = np.zeros((count, len(numbers)))
-    for index, column in enumerate(numbers):
-        table[:, index] += column  # added to 0: the sign of a zero tells nothing
-    return [row.tobytes() for row in table]

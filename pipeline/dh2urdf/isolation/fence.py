@@ -99,34 +99,12 @@ def enter(readable: Iterable[Path], seconds: float, *, starts_program: bool = Fa
         starts_program: whether a program of the system works on the file. Then the programs and libraries of the system
             can be read and started too; the audit hook, which ends at this process, is left out.
     """
-    folders = sorted({os.path.realpath(path) for path in readable})
-    _end_with_parent()
-    _limit(seconds)
-    _lock(folders, _system_folders() if starts_program else [])
-    if not starts_program:
-        _watch(folders)
-
-
-def _system_folders() -> list[str]:
-    """Where programs, and what they load, are on this system."""
-    prefixes = {os.path.realpath(Path(folder).parent) for folder in os.get_exec_path()}
-    places = {*prefixes, sys.prefix, "/usr", "/lib", "/lib64", "/etc", "/proc", "/opt", "/dev"}
-    home = {os.path.realpath(Path.home()), "/"}
-    return sorted({place for place in map(os.path.realpath, places) if Path(place).is_dir()} - home)
-
-
-def _end_with_parent() -> None:
-    """Has Linux kill this process with its parent, also while an endless computation lets no thread have its turn."""
     import ctypes
-
-    set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>
-    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0)
-
-
-def _limit(seconds: float) -> None:
-    """Bounds computing time, memory and the size of files."""
     import resource
 
+    folders = sorted({os.path.realpath(path) for path in readable})
+    set_parent_death_signal = 1  # PR_SET_PDEATHSIG of <linux/prctl.h>: an endless computation lets no thread see to it
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL, 0, 0, 0)
     used = resource.getrusage(resource.RUSAGE_SELF)
     whole = int(used.ru_utime + used.ru_stime + seconds) + 1
     for what, bound in (
@@ -138,6 +116,17 @@ def _limit(seconds: float) -> None:
         _, hard = resource.getrlimit(what)
         most = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
         resource.setrlimit(what, (most, most))
+    _lock(folders, _system_folders() if starts_program else [])
+    if not starts_program:
+        _watch(folders)
+
+
+def _system_folders() -> list[str]:
+    """Where programs, and what they load, are on this system."""
+    prefixes = {os.path.realpath(Path(folder).parent) for folder in os.get_exec_path()}
+    places = {*prefixes, sys.prefix, "/usr", "/lib", "/lib64", "/etc", "/proc", "/opt", "/dev"}
+    home = {os.path.realpath(Path.home()), "/"}
+    return sorted({place for place in map(os.path.realpath, places) if Path(place).is_dir()} - home)
 
 
 def _lock(folders: list[str], system: Sequence[str] = ()) -> None:

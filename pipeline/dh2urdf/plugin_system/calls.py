@@ -141,7 +141,13 @@ def blaming(call: Call[Any], what: str = "") -> Iterator[None]:
         if call.plugin and not call.plugin.is_builtin and call.kind not in ("reader", "loader"):
             # A run may have five emitters with the same table. Problems of a reader are in its file, and the errors of
             # a loader have its name already.
-            _name_stage(error, f"{f'`{what}` of the ' if what else ''}{call.attribution}: ")
+            name = f"{f'`{what}` of the ' if what else ''}{call.attribution}: "
+            named = [
+                each if name in each.message else replace(each, message=name + each.message) for each in error.problems
+            ]
+            if error.args[:1] == (error.problems,):  # what pickle makes it of again
+                error.args = (tuple(named), *error.args[1:])
+            error.problems = tuple(named)
         raise
     except BaseException as error:
         raise fault(call, error, what) from error
@@ -155,16 +161,6 @@ def _is_fault(error: InputError | ManipulatorError, call: Call[Any]) -> bool:
         # A reader makes the records of a table, whose values come from the file. Their types do not.
         return isinstance(error, RecordTypeError) and call.plugin is not None and not call.plugin.is_builtin
     return isinstance(error, (RecordError, OutputError))
-
-
-def _name_stage(error: InputError | ManipulatorError, stage: str) -> None:
-    """Put a stage before what it refuses."""
-    named = tuple(
-        [each if stage in each.message else replace(each, message=stage + each.message) for each in error.problems]
-    )
-    if error.args[:1] == (error.problems,):  # what pickle makes it of again, where its class has no way of its own
-        error.args = (named, *error.args[1:])
-    error.problems = named
 
 
 def fault(call: Call[Any], error: BaseException, what: str = "") -> StageError:

@@ -63,16 +63,6 @@ class BatchReport:
         self.statuses[outcome.status] += 1
         if outcome.kind:
             self.kinds[outcome.kind] += 1
-        if outcome.loads or outcome.notices or outcome.errors:
-            self._note_problems(outcome)
-        if outcome.traceback and len(self.tracebacks) < SCREENFUL:
-            self.tracebacks.append(outcome.traceback)
-        if self.first < TIMED and outcome.seconds:
-            self.timings.append({"name": outcome.name, **outcome.seconds})
-        if not outcome.was_read:
-            self.unread.append(outcome.name)
-
-    def _note_problems(self, outcome: Outcome) -> None:
         # What simulators notice is alike for many manipulators: the end of a run reports it, grouped.
         findings = [finding for load in outcome.loads.values() for finding in load.report.findings]
         graver = [finding for finding in findings if finding.severity == "error"]
@@ -81,6 +71,12 @@ class BatchReport:
             self.severities[problem.severity] += 1
             if self.severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):
                 self.problems.append(problem)
+        if outcome.traceback and len(self.tracebacks) < SCREENFUL:
+            self.tracebacks.append(outcome.traceback)
+        if self.first < TIMED and outcome.seconds:
+            self.timings.append({"name": outcome.name, **outcome.seconds})
+        if not outcome.was_read:
+            self.unread.append(outcome.name)
 
 
 def is_new(problem: Problem, said: set[Problem]) -> bool:

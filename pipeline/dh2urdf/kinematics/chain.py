@@ -12,12 +12,12 @@ Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.errors import RecordValueError
-from dh2urdf.kinematics.walk import CompiledChain, JointValue, values_of
+from dh2urdf.kinematics.walk import CompiledChain, JointValue, rotation_about, values_of
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import (
     IDENTITY,
@@ -29,6 +29,7 @@ from dh2urdf.rotations import (
     cos_sin,
     multiply,
     norm,
+    rotate,
     scale,
     subtract,
     total,
@@ -189,6 +190,11 @@ class KinematicChain(NamedTuple):
     joints: tuple[Joint, ...]
     compiled: CompiledChain
 
+    @property
+    def moving(self) -> tuple[Joint, ...]:
+        """Those that have a joint value, in order."""
+        return tuple(joint for joint in self.joints if joint.type is not JointType.FIXED)
+
     @classmethod
     def of(cls, joints: Sequence[Joint]) -> KinematicChain:
         """The chain of some joints, from the root outwards."""
@@ -212,8 +218,7 @@ class KinematicChain(NamedTuple):
         Raises:
             ValueError: q has another number of entries than the chain has moving joints.
         """
-        moving = sum(joint.type is not JointType.FIXED for joint in self.joints)
-        return self.compiled.walk(_values(q, moving, "the chain"))[0].transform
+        return self.compiled.walk(_values(q, len(self.moving), "the chain"))[0].transform
 
 
 def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
@@ -228,16 +233,12 @@ def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
     while link != root:
         joint = above.pop(link, None)  # A cycle finds nothing on its second round.
         if joint is None:
-            raise _no_way(robot, root, tip)
+            links = [name for each in robot.joints for name in (each.parent, each.child)]
+            near = did_you_mean(tip, links) if tip not in links else None
+            raise RecordValueError(say("no-way", field="tip", found=tip, robot=robot.name, root=root, suggestion=near))
         found.append(joint)
         link = joint.parent
     return tuple(reversed(found))
-
-
-def _no_way(robot: Robot, root: str, tip: str) -> RecordValueError:
-    links = [name for joint in robot.joints for name in (joint.parent, joint.child)]
-    near = did_you_mean(tip, links) if tip not in links else None
-    return RecordValueError(say("no-way", field="tip", found=tip, robot=robot.name, root=root, suggestion=near))
 
 
 def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform]:
@@ -279,18 +280,47 @@ def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform,
     return tuple(frame.transform for frame in chain.walk(values))
 
 
-def moving_axes(manipulator: Manipulator, frames: Sequence[RigidTransform]) -> Iterator[tuple[DHRow, Vec3, Vec3]]:
-    """Each moving row with the direction of its axis, as q grows, and a point of the axis [m]; takes columns.
+class Screw(NamedTuple):
+    """The axis of a joint at some q.
 
-    Args:
-        manipulator: the table.
-        frames: its DH frames 0 … N.
+    Attributes:
+        direction: unit vector, in the direction that the joint counts.
+        point: a point of the axis [m].
+        slides: whether the joint is prismatic.
     """
+
+    direction: Vec3
+    point: Vec3
+    slides: bool = False
+
+
+def screws_in_frames(manipulator: Manipulator, frames: Sequence[RigidTransform]) -> list[Screw]:
+    """The axes of a table's moving rows, given its DH frames 0 … N, in the frame of its base link; takes columns."""
     # In the standard convention a joint turns about z of the frame before its row, in the modified one of its own.
     before = manipulator.convention is Convention.STANDARD
-    for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True):
-        if row.type is not JointType.FIXED:
-            yield row, scale(row.sign, z_axis_of(frame.rotation)), frame.translation
+    return [
+        Screw(scale(row.sign, z_axis_of(frame.rotation)), frame.translation, row.type is JointType.PRISMATIC)
+        for row, frame in zip(manipulator.rows, frames[:-1] if before else frames[1:], strict=True)
+        if row.type is not JointType.FIXED
+    ]
+
+
+def screws_of_table(manipulator: Manipulator, q: JointVector | None = None) -> list[Screw]:
+    """The axes of a table's moving rows at a joint vector [rad or m], at zero without it; takes columns."""
+    return screws_in_frames(manipulator, dh_frames(manipulator, q or (0.0,) * len(manipulator.moving_rows)))
+
+
+def screws_of_chain(chain: KinematicChain, q: JointVector | None = None) -> tuple[list[Screw], RigidTransform]:
+    """The axes of a chain's moving joints at a joint vector [rad or m], at zero without it, and T(root → tip)."""
+    compiled = CompiledChain()
+    compile_joints(compiled, chain.joints, with_axes=True)
+    compiled.stop()
+    *frames, tip = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(chain.moving)))]
+    screws = [
+        Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)
+        for joint, frame in zip(chain.moving, frames, strict=True)
+    ]
+    return screws, tip
 
 
 def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
@@ -304,20 +334,7 @@ def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - 
 
 def axis_rotation(axis: Vec3, angle: Any) -> Rotation:  # noqa: ANN401 - floats and arrays alike
     """Rotation by an angle [rad] about a unit vector (Rodrigues' formula)."""
-    x, y, z = axis
-    c, s = cos_sin(angle)
-    v = 1.0 - c
-    return (
-        c + x * x * v,
-        x * y * v - z * s,
-        x * z * v + y * s,
-        x * y * v + z * s,
-        c + y * y * v,
-        y * z * v - x * s,
-        x * z * v - y * s,
-        y * z * v + x * s,
-        c + z * z * v,
-    )
+    return rotation_about(axis, *cos_sin(angle))
 
 
 def position_error(left: RigidTransform, right: RigidTransform) -> float:

@@ -9,8 +9,15 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, position_error
-from dh2urdf.kinematics.screws import Mismatch, align, screws_of_chain, screws_of_table
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    angle_error,
+    forward_kinematics,
+    position_error,
+    screws_of_chain,
+    screws_of_table,
+)
+from dh2urdf.kinematics.screws import Mismatch, align
 from dh2urdf.manipulator import FLANGE, TOOL, Convention, JointType, Manipulator
 from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS
@@ -18,7 +25,7 @@ from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Sequence
 
     from dh2urdf.kinematics.screws import Alignment
     from dh2urdf.manipulator import DHRow
@@ -111,16 +118,17 @@ def compare(
         chain = KinematicChain.between(robot, base, tip)
     except ValueError as error:
         raise ConfigError(say("ends-without-chain", reason=error)) from None
-    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
-    result = Agreement(base_link=base, tip_link=tip, joints=tuple(joint.name for joint in moving), difference=None)
-    if apart := _other_joints(moving, manipulator.moving_rows):
+    result = Agreement(
+        base_link=base, tip_link=tip, joints=tuple(joint.name for joint in chain.moving), difference=None
+    )
+    if apart := _other_joints(chain.moving, manipulator.moving_rows):
         return replace(result, first_difference=apart)
-    difference = _difference(chain, manipulator, moving)
+    difference = _difference(chain, manipulator)
     result = replace(result, difference=difference)
     if difference.is_none:
         return result
-    found = _with_correction(result, chain, manipulator, moving)
-    if found.first_difference is None or not (meant := _read_otherwise(chain, manipulator, moving)):
+    found = _with_correction(result, chain, manipulator)
+    if found.first_difference is None or not (meant := _read_otherwise(chain, manipulator)):
         return found
     return replace(found, first_difference=f"{found.first_difference}; {meant}")
 
@@ -181,42 +189,38 @@ def _other_joints(joints: Sequence[Joint], rows: Sequence[DHRow]) -> str | None:
 # How far apart.
 
 
-def _difference(chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]) -> Difference:
+def _difference(chain: KinematicChain, manipulator: Manipulator) -> Difference:
+    """The difference at zero and at random joint vectors: limits do not matter where two chains are the same."""
+    draw = random.Random(f"dh2urdf {manipulator.name}")  # noqa: S311 - reproducible on purpose
+    sizes = [1.0 if joint.type is JointType.PRISMATIC else math.pi for joint in chain.moving]
+    vectors = [tuple(draw.uniform(-1.0, 1.0) * size for size in sizes) for _ in range(POSES)]
     errors = [
         (position_error(one, other), angle_error(one, other), q)
-        for q in _joint_vectors(moving, manipulator.name)
+        for q in [(0.0,) * len(sizes), *vectors]
         for one, other in [(chain.forward_kinematics(q), forward_kinematics(manipulator, q))]
     ]
     position, _, q = max(errors, key=lambda error: error[:2])
     return Difference(position_error=position, angle_error=max(angle for _, angle, _ in errors), q=q)
 
 
-def _joint_vectors(moving: Sequence[Joint], name: str) -> Iterable[tuple[float, ...]]:
-    """Zero, and random values: limits do not matter where two chains are the same."""
-    draw = random.Random(f"dh2urdf {name}")  # noqa: S311 - reproducible on purpose
-    yield (0.0,) * len(moving)
-    for _ in range(POSES):
-        yield tuple(
-            draw.uniform(-1.0, 1.0) * (1.0 if joint.type is JointType.PRISMATIC else math.pi) for joint in moving
-        )
-
-
 # What would make them agree.
 
 
-def _with_correction(
-    result: Agreement, chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]
-) -> Agreement:
-    wanted, given = screws_of_chain(chain), screws_of_table(manipulator)
-    zero = chain.forward_kinematics((0.0,) * len(moving))
-    exact = align(wanted, given, TOLERANCE)
-    apart = _parting(exact, moving) if isinstance(exact, Mismatch) else None
-    found = align(wanted, given, NEAR) if isinstance(exact, Mismatch) else exact
+def _with_correction(result: Agreement, chain: KinematicChain, manipulator: Manipulator) -> Agreement:
+    (wanted, zero), given = screws_of_chain(chain), screws_of_table(manipulator)
+    found, apart = align(wanted, given, TOLERANCE), None
+    if isinstance(found, Mismatch):
+        joint = f"joint {found.joint + 1}, {shown(chain.moving[found.joint].name)}"
+        how = f"stands elsewhere, by {found.distance:.3g} m"
+        if found.angle > TOLERANCE:
+            how = f"has another direction, by {found.angle:.3g} rad"
+        apart = f"they part at {joint}: to the joints before, its axis {how}"
+        found = align(wanted, given, NEAR)
     if isinstance(found, Mismatch):
         return replace(result, first_difference=apart)
     candidates = [_corrected(manipulator, alignment, zero) for alignment in found]
     corrected = min(candidates, key=lambda candidate: len(changes(manipulator, candidate)))
-    return replace(result, corrected=corrected, remaining=_difference(chain, corrected, moving), first_difference=apart)
+    return replace(result, corrected=corrected, remaining=_difference(chain, corrected), first_difference=apart)
 
 
 _FACTORS = (1.0, 0.001, 0.01, 0.0254, 0.1, 10.0, 25.4, 100.0, 1000.0, 1 / 0.0254, 1 / 25.4)
@@ -224,9 +228,9 @@ _FACTORS = (1.0, 0.001, 0.01, 0.0254, 0.1, 10.0, 25.4, 100.0, 1000.0, 1 / 0.0254
 _TURNS = ((1.0, ""), (math.pi / 180, "angles in degrees"), (180 / math.pi, "angles in rad"))
 
 
-def _read_otherwise(chain: KinematicChain, manipulator: Manipulator, moving: Sequence[Joint]) -> str | None:
+def _read_otherwise(chain: KinematicChain, manipulator: Manipulator) -> str | None:
     """In which other convention or units the table would be the arm of the description; None where in none."""
-    wanted, zero = screws_of_chain(chain), chain.forward_kinematics((0.0,) * len(moving))
+    wanted, zero = screws_of_chain(chain)
     conventions = sorted(Convention, key=lambda each: each is not manipulator.convention)
     for convention, factor, (turn, angles) in product(conventions, _FACTORS, _TURNS):
         other = _scaled(replace(manipulator, convention=convention), factor, turn)
@@ -253,30 +257,20 @@ def _scaled(manipulator: Manipulator, factor: float, turn: float) -> Manipulator
     return replace(manipulator, rows=tuple(map(scaled, manipulator.rows)))
 
 
-def _parting(mismatch: Mismatch, moving: Sequence[Joint]) -> str:
-    joint = f"joint {mismatch.joint + 1}, {shown(moving[mismatch.joint].name)}"
-    if mismatch.angle > TOLERANCE:
-        return (
-            f"they part at {joint}: to the joints before, its axis has another direction, by {mismatch.angle:.3g} rad"
-        )
-    return f"they part at {joint}: to the joints before, its axis stands elsewhere, by {mismatch.distance:.3g} m"
-
-
 def _corrected(manipulator: Manipulator, alignment: Alignment, zero: RigidTransform) -> Manipulator:
     """The table with a base, signs and offsets of an alignment, and with the tool that makes the poses at zero one."""
     base = _rounded(RigidTransform(alignment.rotation, alignment.translation) @ manipulator.base)
     moved = iter(zip(alignment.signs, alignment.offsets, strict=True))
-    rows = tuple(row if row.type is JointType.FIXED else _row(row, *next(moved)) for row in manipulator.rows)
-    bare = replace(manipulator, base=base, rows=rows, tool=IDENTITY)
+    rows = list(manipulator.rows)
+    for index, row in enumerate(rows):
+        if row.type is not JointType.FIXED:
+            sign, offset = next(moved)
+            turns, turned = row.type is not JointType.PRISMATIC, row.offset + row.sign * offset
+            turned = _number(math.remainder(turned, math.tau) if turns else turned, is_angle=turns)
+            rows[index] = replace(row, sign=row.sign * sign, offset=turned)
+    bare = replace(manipulator, base=base, rows=tuple(rows), tool=IDENTITY)
     reached = forward_kinematics(bare, (0.0,) * len(bare.moving_rows))
     return replace(bare, tool=_rounded(reached.inverse @ zero))
-
-
-def _row(row: DHRow, sign: int, offset: float) -> DHRow:
-    turned = row.offset + row.sign * offset
-    if row.type is not JointType.PRISMATIC:
-        turned = math.remainder(turned, math.tau)
-    return replace(row, sign=row.sign * sign, offset=_number(turned, is_angle=row.type is not JointType.PRISMATIC))
 
 
 def _rounded(pose: RigidTransform) -> RigidTransform:

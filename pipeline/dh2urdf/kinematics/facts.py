@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.chain import angle_error, dh_frames, forward_kinematics, moving_axes, position_error
+from dh2urdf.kinematics.chain import Screw, angle_error, forward_kinematics, position_error, screws_of_table
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, Vec3, add, cross, dot, is_column, mapped, norm, scale, subtract, where
 
@@ -28,18 +28,6 @@ if TYPE_CHECKING:
 ZERO_LENGTH, ZERO_ANGLE = 1e-9, 1e-9
 """What counts as no length [m] and no angle [rad]."""
 _OPW_JOINTS = 6
-
-
-class Line(NamedTuple):
-    """The axis of a joint.
-
-    Attributes:
-        point: a point of it [m].
-        direction: a unit vector; the joint turns about it, or slides along it, as q grows.
-    """
-
-    point: Vec3
-    direction: Vec3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,7 +106,7 @@ def _facts(
         tables_of: gives some of them by their places.
     """
     moving = table.moving_rows
-    lines = axes_at(table, (0.0,) * len(moving))
+    lines = screws_of_table(table)
     names = tuple([row.joint for row in moving])
     turning = [row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for row in moving]
     has_wrist: Condition = False
@@ -154,17 +142,12 @@ def _runs(names: tuple[str, ...], parallel: tuple[bool, ...]) -> tuple[tuple[str
     return tuple(tuple(run) for run in runs if len(run) > 1)
 
 
-def axes_at(arm: Manipulator, q: Sequence[float]) -> list[Line]:
-    """The axes of the moving joints in base_link at a joint vector [rad or m]; takes columns."""
-    return [Line(point, direction) for _, direction, point in moving_axes(arm, dh_frames(arm, q))]
-
-
-def _are_parallel(one: Line, other: Line) -> Condition:
+def _are_parallel(one: Screw, other: Screw) -> Condition:
     """Whether two lines are parallel; takes columns."""
     return norm(cross(one.direction, other.direction)) <= ZERO_ANGLE
 
 
-def _crossing(one: Line, other: Line) -> tuple[Condition, Vec3]:
+def _crossing(one: Screw, other: Screw) -> tuple[Condition, Vec3]:
     """Whether two lines meet and are not parallel, and the point of the first where they do; takes columns."""
     normal = cross(one.direction, other.direction)
     square = dot(normal, normal)
@@ -174,7 +157,7 @@ def _crossing(one: Line, other: Line) -> tuple[Condition, Vec3]:
     return meet, add(one.point, scale(along, one.direction))
 
 
-def _meeting(first: Line, second: Line, third: Line) -> tuple[Condition, Vec3]:
+def _meeting(first: Screw, second: Screw, third: Screw) -> tuple[Condition, Vec3]:
     """Whether three lines meet in one point, neighbours at an angle, and the point; takes columns."""
     (one_meets, point), (other_meets, other) = _crossing(first, second), _crossing(second, third)
     return one_meets & other_meets & (norm(subtract(point, other)) <= ZERO_LENGTH), point
@@ -218,51 +201,25 @@ class _AtZero:
         Raises:
             _OtherKindError: the axes are not those of an OPW arm.
         """
-        a1, c1, c2 = self._basis()
-        x, y, z = self._wrist(c1 + c2)
-        end = forward_kinematics(self._arm, self._q).translation[2]
-        offsets = [math.remainder(sign * value, math.tau) for sign, value in zip(self._signs, self._q, strict=True)]
-        return OpwParameters(
-            a1=a1,
-            a2=x - a1,
-            b=y,
-            c1=c1,
-            c2=c2,
-            c3=z - c1 - c2,
-            c4=end - z,
-            offsets=tuple(0.0 if abs(offset) <= ZERO_ANGLE else offset for offset in offsets),
-            signs=tuple(self._signs),
-        )
-
-    def _basis(self) -> Vec3:
-        """a1, c1 and c2 [m]; the first two joints are turned."""
-        (x, y, _), (ux, uy, uz) = self._axis(1)
-        _require(math.hypot(ux, uy) <= ZERO_ANGLE and math.hypot(x, y) <= ZERO_LENGTH)
-        self._signs[0] = 1 if uz > 0 else -1
+        first = self._axis(1)
+        _require(math.hypot(*first.direction[:2]) <= ZERO_ANGLE and math.hypot(*first.point[:2]) <= ZERO_LENGTH)
+        self._signs[0] = 1 if first.direction[2] > 0 else -1
         self._turn_along_y(2)
-        (a1, _, c1), _ = self._axis(2)
-        _require(_are_parallel(self._axis(2), self._axis(3)))
-        self._signs[2] = 1 if self._axis(3).direction[1] > 0 else -1
-        (x, _, z), _ = self._axis(3)
+        second, third = self._axis(2), self._axis(3)
+        _require(_are_parallel(second, third))
+        self._signs[2] = 1 if third.direction[1] > 0 else -1
+        (a1, _, c1), (x, _, z) = second.point, third.point
         c2 = math.hypot(x - a1, z - c1)
         _require(c2 > ZERO_LENGTH)
         self._turn(2, -math.atan2(x - a1, z - c1))
-        return a1, c1, c2
-
-    def _wrist(self, elbow: float) -> Vec3:
-        """The wrist's centre [m]; the other joints are turned.
-
-        Args:
-            elbow: the height of axis 3 [m].
-        """
         ux, uy, uz = self._axis(4).direction
         _require(abs(uy) <= ZERO_ANGLE)
         self._turn(3, -math.atan2(ux, uz))
-        centre = self._centre()
-        if centre[2] - elbow < -ZERO_LENGTH:  # The forearm is up, whichever way axis 4 points.
+        x, y, z = self._wrist_centre()
+        if z - (c1 + c2) < -ZERO_LENGTH:  # The forearm is up, whichever way axis 4 points.
             self._turn(3, math.pi)
             self._signs[3] = -1
-            centre = self._centre()
+            x, y, z = self._wrist_centre()
         self._turn_along_y(5)
         _require(abs(dot(self._axis(5).direction, self._axis(6).direction)) <= ZERO_ANGLE)
         tip = forward_kinematics(self._arm, self._q).rotation
@@ -270,13 +227,17 @@ class _AtZero:
         self._signs[5] = 1 if self._axis(6).direction[2] > 0 else -1
         tip = forward_kinematics(self._arm, self._q).rotation
         self._turn(6, -math.atan2(tip[3], tip[0]))
-        return centre
+        c4 = forward_kinematics(self._arm, self._q).translation[2] - z
+        offsets = [math.remainder(sign * value, math.tau) for sign, value in zip(self._signs, self._q, strict=True)]
+        offsets = [0.0 if abs(offset) <= ZERO_ANGLE else offset for offset in offsets]
+        lengths = {"a1": a1, "a2": x - a1, "b": y, "c1": c1, "c2": c2, "c3": z - c1 - c2, "c4": c4}
+        return OpwParameters(**lengths, offsets=tuple(offsets), signs=tuple(self._signs))
 
-    def _axis(self, joint: int) -> Line:
-        return axes_at(self._arm, self._q)[joint - 1]
+    def _axis(self, joint: int) -> Screw:
+        return screws_of_table(self._arm, self._q)[joint - 1]
 
-    def _centre(self) -> Vec3:
-        meet, centre = _meeting(*axes_at(self._arm, self._q)[3:])
+    def _wrist_centre(self) -> Vec3:
+        meet, centre = _meeting(*screws_of_table(self._arm, self._q)[3:])
         _require(meet)
         return centre
 

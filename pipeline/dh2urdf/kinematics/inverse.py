@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import take_fields
-from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach
+from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach, screws_in_frames
 from dh2urdf.kinematics.joint_vectors import joint_values
-from dh2urdf.kinematics.pose_arrays import jacobian_at, joints_of, table_jacobian
+from dh2urdf.kinematics.pose_arrays import jacobian_of, joints_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import RigidTransform, multiply, norm, total, transpose
@@ -169,7 +169,8 @@ class _PoseSearch:
             if cost <= (1e-3 * REACHED) ** 2 or not len(q):
                 break
             *before, tool0 = frames
-            jacobian = jacobian_at(self._arm, before, tool0.translation, (), _FUNCTION) * self._scale
+            screws = screws_in_frames(self._arm, before)
+            jacobian = jacobian_of(screws, tool0.translation, (), _FUNCTION) * self._scale
             jacobian[:3] /= self._length
             downhill = jacobian.T @ error
             free = ~(((q <= self.lower) & (downhill < 0.0)) | ((q >= self.upper) & (downhill > 0.0)))
@@ -193,15 +194,13 @@ class _PoseSearch:
             q, frames, error, damping = moved, there, left, max(damping / 8.0, 1e-15)
             if gained <= 1e-14 * cost:
                 break
-        return self._solution(self._unwound(q))
-
-    def _unwound(self, q: Vector) -> Vector:
-        """The same pose without whole turns away from the start, where the limits allow it."""
-        import numpy as np
-
+        # The same pose without whole turns away from the start, where the limits allow it.
         near = q - 2.0 * np.pi * np.round((q - self.start) / (2.0 * np.pi))
-        unwound: Vector = np.where(self._turns & (near >= self.lower) & (near <= self.upper), near, q)
-        return unwound
+        q = np.where(self._turns & (near >= self.lower) & (near <= self.upper), near, q)
+        found = self._frames(q)[-1]
+        position, angle = position_error(self._target, found), angle_error(self._target, found)
+        is_there = position <= REACHED * max(self._length, 1e-3) and angle <= REACHED
+        return InverseSolution(tuple(q.tolist()), position, angle, is_there)
 
     def _frames(self, q: Vector) -> list[RigidTransform]:
         """The DH frames 0 … N and tool0 in base_link."""
@@ -218,12 +217,6 @@ class _PoseSearch:
         found = frames[-1]
         shift = (np.array(self._target.translation) - found.translation) / self._length
         return frames, np.concatenate([shift, _turn(multiply(self._target.rotation, transpose(found.rotation)))])
-
-    def _solution(self, q: Vector) -> InverseSolution:
-        found = self._frames(q)[-1]
-        position, angle = position_error(self._target, found), angle_error(self._target, found)
-        is_there = position <= REACHED * max(self._length, 1e-3) and angle <= REACHED
-        return InverseSolution(tuple(q.tolist()), position, angle, is_there)
 
 
 def _turn(rotation: Any) -> Vector:  # noqa: ANN401 - nine numbers

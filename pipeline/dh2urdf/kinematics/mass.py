@@ -74,11 +74,9 @@ def solid(geometry: Geometry, density: float) -> Inertial:
 def placed(body: Inertial, frame: RigidTransform) -> Inertial:
     """A body that is known in `frame`, in the frame that `frame` is given in."""
     com = frame.translation if body.com is ZERO else add(frame.translation, rotate(frame.rotation, body.com))
-    return new_inertial(
-        mass=body.mass,
-        com=_clean(com),
-        inertia=rotated(body.inertia, frame.rotation),
-    )
+    x, y, z = com  # without -0.0 below
+    com = (x + 0.0, y + 0.0, z + 0.0)
+    return new_inertial(mass=body.mass, com=com, inertia=rotated(body.inertia, frame.rotation))
 
 
 def rotated(inertia: Inertia, rotation: Rotation) -> Inertia:
@@ -307,8 +305,3 @@ def _jacobi_rotation(a: list[list[float]], axes: list[list[float]], p: int, q: i
     for k in range(3):
         a[p][k], a[q][k] = c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]
     a[p][q] = a[q][p] = 0.0
-
-
-def _clean(vector: Vec3) -> Vec3:
-    """A vector without -0.0."""
-    return (vector[0] + 0.0, vector[1] + 0.0, vector[2] + 0.0)

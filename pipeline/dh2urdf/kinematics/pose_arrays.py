@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.kinematics.chain import (
     KinematicChain,
+    Screw,
     as_matrices,
-    compile_joints,
     dh_frames,
     joints_between,
     link_poses,
-    moving_axes,
+    screws_in_frames,
+    screws_of_chain,
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
-from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import ROOT, TOOL, JointType
-from dh2urdf.rotations import IDENTITY, cross, rotate, subtract
+from dh2urdf.manipulator import ROOT, TOOL
+from dh2urdf.rotations import IDENTITY, cross, subtract
 from dh2urdf.source import Mark, Messages, shown
 
 if TYPE_CHECKING:
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from dh2urdf.rotations import RigidTransform, Vec3
 
     Matrices = NDArray[np.float64]
-    Axis = tuple[JointType, Vec3, Vec3]
-    """The type of a joint, the direction of its axis and a point on it, in the base frame."""
 
 say = Messages(__file__)
 
@@ -58,9 +56,10 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
         RecordError: the joint vectors have another number of values than the model has moving joints, or a value is
             none.
     """
-    if isinstance(model, KinematicChain):
-        return chain_pose(model, joints_of_chain(model), q)
-    return table_pose(model, q)
+    if not isinstance(model, KinematicChain):
+        return table_pose(model, q)
+    moving = tuple(joint.name for joint in model.moving)
+    return _chain_pose(model, JointNames(moving, moving, whose="the chain", function="pose_matrices()"), q)
 
 
 # --- Tables
@@ -89,23 +88,8 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
     function = "Manipulator.jacobian()"
     values, shape = joint_values(q, joints_of(manipulator, function, full=full))
     frames = dh_frames(manipulator, values)
-    return jacobian_at(manipulator, frames, (frames[-1] @ manipulator.tool).translation, shape, function)
-
-
-def jacobian_at(
-    manipulator: Manipulator, frames: Sequence[RigidTransform], tool: Vec3, shape: tuple[int, ...], function: str
-) -> Matrices:
-    """The geometric Jacobian of a table whose frames are known.
-
-    Args:
-        manipulator: the table.
-        frames: the DH frames 0 … N in base_link.
-        tool: the origin of tool0 in base_link [m].
-        shape: the shape of the joint vectors, without their entries.
-        function: what messages name.
-    """
-    axes = [(row.type, direction, point) for row, direction, point in moving_axes(manipulator, frames)]
-    return _jacobian(axes, tool, shape, function)
+    screws = screws_in_frames(manipulator, frames)
+    return jacobian_of(screws, (frames[-1] @ manipulator.tool).translation, shape, function)
 
 
 def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) -> JointNames:
@@ -127,30 +111,19 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
 
 def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
-    return chain_pose(*_way_to(robot, tip, "Robot.fk()"), q)
+    return _chain_pose(*_way_to(robot, tip, "Robot.fk()"), q)
 
 
-def chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
+def _chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(root → tip) of shape (..., 4, 4) of a chain whose joints have these names."""
     values, shape = joint_values(q, names)
     return _matrices(chain.forward_kinematics(values), shape, names.function)
 
 
-def joints_of_chain(chain: KinematicChain) -> JointNames:
-    """The joints that a joint vector of a chain speaks of."""
-    moving = tuple(joint.name for joint in chain.joints if joint.type is not JointType.FIXED)
-    return JointNames(wanted=moving, moving=moving, whose="the chain", function="pose_matrices()")
-
-
 def robot_poses(robot: Robot, q: Any) -> dict[str, Matrices]:  # noqa: ANN401 - whatever is given
     """T(root → link) by link; see `Robot.fk_all`."""
     moving = tuple(joint.name for joint in robot.moving_joints)
-    names = JointNames(
-        wanted=moving,
-        moving=moving,
-        whose=f"robot {shown(robot.name)}",
-        function="Robot.fk_all()",
-    )
+    names = JointNames(moving, moving, whose=f"robot {shown(robot.name)}", function="Robot.fk_all()")
     values, shape = joint_values(q, names)
     poses = link_poses(robot, dict(zip(moving, values, strict=True)))
     return {link.name: _matrices(poses[link.name], shape, names.function) for link in robot.links}
@@ -160,22 +133,14 @@ def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 
     """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
     chain, names = _way_to(robot, tip, "Robot.jacobian()")
     values, shape = joint_values(q, names)
-    compiled = CompiledChain()
-    compile_joints(compiled, chain.joints, with_axes=True)
-    compiled.stop()
-    *frames, tool = [frame.transform for frame in compiled.walk(values_of(values))]
-    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
-    axes: list[Axis] = [
-        (joint.type, rotate(frame.rotation, joint.axis), frame.translation)
-        for joint, frame in zip(moving, frames, strict=True)
-    ]
-    return _jacobian(axes, tool.translation, shape, names.function)
+    screws, end = screws_of_chain(chain, values)
+    return jacobian_of(screws, end.translation, shape, names.function)
 
 
 def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, JointNames]:
     """The joints on the way from the root to a link; a mapping may name the other joints of the robot too."""
-    joints = joints_between(robot, robot.root, tip)
-    moving = tuple(joint.name for joint in joints if joint.type is not JointType.FIXED)
+    chain = KinematicChain.of(joints_between(robot, robot.root, tip))
+    moving = tuple(joint.name for joint in chain.moving)
     names = JointNames(
         wanted=moving,
         moving=moving,
@@ -183,7 +148,7 @@ def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, Join
         whose=f"the way of robot {shown(robot.name)} to {shown(tip)}",
         function=function,
     )
-    return KinematicChain.of(joints), names
+    return chain, names
 
 
 # --- Arrays
@@ -195,12 +160,12 @@ def _matrices(pose: RigidTransform, shape: tuple[int, ...], function: str) -> Ma
     return _finite(np.broadcast_to(as_matrices(pose), (*shape, 4, 4)), function)
 
 
-def _jacobian(axes: Sequence[Axis], tool: Vec3, shape: tuple[int, ...], function: str) -> Matrices:
+def jacobian_of(screws: Sequence[Screw], tool: Vec3, shape: tuple[int, ...], function: str) -> Matrices:
+    """The geometric Jacobian of a point [m] that these joints move, at joint vectors of this shape."""
     import numpy as np
 
-    jacobian = np.zeros((*shape, 6, len(axes)))
-    for number, (kind, direction, point) in enumerate(axes):
-        slides = kind is JointType.PRISMATIC
+    jacobian = np.zeros((*shape, 6, len(screws)))
+    for number, (direction, point, slides) in enumerate(screws):
         linear = direction if slides else cross(direction, subtract(tool, point))
         for element, value in enumerate((*linear, *((0.0, 0.0, 0.0) if slides else direction))):
             jacobian[..., element, number] = value

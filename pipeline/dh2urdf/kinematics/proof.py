@@ -27,12 +27,12 @@ from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages, listed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
-    from dh2urdf.kinematics.expected_poses import Array, Pick, Tip
+    from dh2urdf.kinematics.expected_poses import Array, Tip
     from dh2urdf.kinematics.walk import Numbers
-    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
 
 say = Messages(__file__)
@@ -245,22 +245,17 @@ def prove_columns(
     for places, described in written:
         try:
             joints = joints_to(expected, expected.tips[0], described)
-        except ProofError:
-            found.update(_refusals(tables, places, described))
+        except ProofError:  # Of each of the group, with its own name.
+            for place in places:
+                own = ExpectedPoses.of(tables.pick(place))
+                try:
+                    joints_to(own, own.tips[0], replace(described, name=own.name))
+                except ProofError as error:
+                    found[place] = error
             continue
         proofs = _proofs(tables.table, robots.robot, joints, places=places, count=count)
         found.update(zip(places, proofs, strict=True))
     return [found.get(place) for place in range(len(tables))]
-
-
-def _refusals(tables: ManipulatorColumns, places: Sequence[int], described: Robot) -> Iterator[tuple[int, ProofError]]:
-    """Why there is no proof, for each of the members of a group, with its name."""
-    for place in places:
-        expected = ExpectedPoses.of(tables.pick(place))
-        try:
-            joints_to(expected, expected.tips[0], replace(described, name=expected.name))
-        except ProofError as error:
-            yield place, error
 
 
 def _proofs(
@@ -282,7 +277,13 @@ def _proofs(
     def of_tables(numbers: Numbers) -> Numbers:
         return numbers[chosen] if is_column(numbers) else numbers
 
-    table = replace_unchecked(table, rows=tuple([_row(row, of_tables) for row in table.rows]))
+    rows = [
+        replace_unchecked(
+            row, **{name: of_tables(getattr(row, name)) for name in ("a", "alpha", "d", "theta", "offset")}
+        )
+        for row in table.rows
+    ]
+    table = replace_unchecked(table, rows=tuple(rows))
     q = joint_columns(table, robot, of_tables, count)
     with np.errstate(all="ignore"):
         chains = ExpectedPoses.of(table).tips[0].compiled(), _written_way(joints)
@@ -297,29 +298,14 @@ def _proofs(
             differences.append(_squared_differences(*tips, shape=(min(at_once, poses - first), arms)))
     positions, angles, worst = _largest_of_arms(*map(np.concatenate, zip(*differences, strict=True)))
     vectors = [value[worst, range(arms) if value.shape[1] > 1 else 0].tolist() for value in q]
+    slides = [abs(v) for row, v in zip(table.moving_rows, q, strict=True) if row.type is JointType.PRISMATIC]
+    travel = sum(slides[1:], slides[0]).max(axis=0) if slides else 0.0
     return many_unchecked(
         Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=poses),
         arms,
         position_error=positions,
         angle_error=angles,
         q=zip(*vectors, strict=True) if vectors else repeat(()),
-        tolerance=_tolerances(table, q, arms),
+        tolerance=np.broadcast_to(TOLERANCE * np.maximum(1.0, reach(table) + travel), arms).tolist(),
         tips=[{TOOL: position} for position in positions],
     )
-
-
-def _row(row: DHRow, pick: Pick) -> DHRow:
-    """The kinematics of a row, for some arms."""
-    return replace_unchecked(
-        row, a=pick(row.a), alpha=pick(row.alpha), d=pick(row.d), theta=pick(row.theta), offset=pick(row.offset)
-    )
-
-
-def _tolerances(table: Manipulator, q: Sequence[Array], arms: int) -> list[float]:
-    """What each position error may be [m]."""
-    import numpy as np
-
-    slides = [abs(v) for row, v in zip(table.moving_rows, q, strict=True) if row.type is JointType.PRISMATIC]
-    travel = sum(slides[1:], slides[0]).max(axis=0) if slides else 0.0
-    tolerances: list[float] = np.broadcast_to(TOLERANCE * np.maximum(1.0, reach(table) + travel), arms).tolist()
-    return tolerances

@@ -22,9 +22,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import axis_rotation, compile_joints, dh_frames, moving_axes
-from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import JointType
+from dh2urdf.kinematics.chain import axis_rotation
 from dh2urdf.rotations import (
     IDENTITY_ROTATION,
     X_AXIS,
@@ -44,25 +42,10 @@ from dh2urdf.rotations import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.kinematics.chain import KinematicChain
-    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.kinematics.chain import Screw
 
 MOST_STATES = 4096
 """Beginnings of an arm that are tried: only axes that meet at right angles leave two ways to go on."""
-
-
-class Screw(NamedTuple):
-    """The axis of a joint at some q.
-
-    Attributes:
-        direction: unit vector, in the direction that the joint counts.
-        point: a point of the axis [m].
-        slides: whether the joint is prismatic.
-    """
-
-    direction: Vec3
-    point: Vec3
-    slides: bool
 
 
 class Mismatch(NamedTuple):
@@ -94,37 +77,6 @@ class Alignment:
     translation: Vec3
     signs: tuple[int, ...]
     offsets: tuple[float, ...]
-
-
-def screws_of_chain(chain: KinematicChain, q: Sequence[float] | None = None) -> list[Screw]:
-    """The axes of a chain's moving joints, in the frame of its root.
-
-    Args:
-        chain: the chain.
-        q: one value per moving joint [rad or m]; zero without it.
-    """
-    compiled = CompiledChain()
-    compile_joints(compiled, chain.joints, with_axes=True)
-    moving = [joint for joint in chain.joints if joint.type is not JointType.FIXED]
-    frames = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(moving)))]
-    return [
-        Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)
-        for joint, frame in zip(moving, frames, strict=True)
-    ]
-
-
-def screws_of_table(manipulator: Manipulator, q: Sequence[float] | None = None) -> list[Screw]:
-    """The axes of a table's moving joints, in the frame of its base link.
-
-    Args:
-        manipulator: the table.
-        q: one value per moving joint [rad or m]; zero without it.
-    """
-    frames = dh_frames(manipulator, q or (0.0,) * len(manipulator.moving_rows))
-    return [
-        Screw(direction, point, row.type is JointType.PRISMATIC)
-        for row, direction, point in moving_axes(manipulator, frames)
-    ]
 
 
 def axis_error(given: Screw, wanted: Screw) -> tuple[float, float]:
@@ -176,22 +128,23 @@ def align(wanted: Sequence[Screw], given: Sequence[Screw], tolerance: float) -> 
         state = waiting.pop()
         number = len(state.signs)
         if number == len(wanted):
-            found.append(_alignment(wanted, given, state))
+            (x, y, z, *slid), _ = _position(wanted, given, state)
+            slides = iter(slid)
+            offsets = tuple(
+                next(slides) if screw.slides else turn for screw, turn in zip(given, state.turns, strict=True)
+            )
+            found.append(Alignment(rotation=state.base, translation=(x, y, z), signs=state.signs, offsets=offsets))
             continue
         for following, angle in reversed(list(_next(wanted, given, state, tolerance))):
             distance = 0.0 if following is None else _position(wanted, given, following)[1]
             if following is not None and distance <= tolerance:
                 waiting.append(following)
             elif number >= worst.joint:
-                worst = _least(worst, Mismatch(number, angle, distance))
+                # Of two ways to part, the one that comes later; of two at one joint, the one that fits better.
+                other = Mismatch(number, angle, distance)
+                is_tied = number == worst.joint and (worst.angle or worst.distance)
+                worst = min(worst, other, key=lambda mismatch: mismatch[1:]) if is_tied else other
     return found or worst
-
-
-def _least(one: Mismatch, other: Mismatch) -> Mismatch:
-    """Of two ways to part, the one that comes later; of two at one joint, the one that fits better."""
-    if one.joint != other.joint or not (one.angle or one.distance):
-        return other
-    return min(one, other, key=lambda mismatch: (mismatch.angle, mismatch.distance))
 
 
 def _next(
@@ -236,26 +189,14 @@ def _turned(state: _State, turn: Rotation, axis: Vec3 | None, sign: int, *, used
     if state.hinge == -1:
         base = multiply(turn, base)
     elif used and state.hinge is not None and axis is not None:
-        turns[state.hinge] += state.signs[state.hinge] * _angle_of(axis, turn)
+        twice_sine = dot(axis, (turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]))
+        angle = math.atan2(twice_sine, turn[0] + turn[4] + turn[8] - 1.0)
+        turns[state.hinge] += state.signs[state.hinge] * angle
     hinge = None if used else state.hinge
     if hinge is None and not slides:
         hinge = number
-    return _State(
-        base,
-        (*state.signs, sign),
-        (*turns, 0.0),
-        multiply(turn, state.placed),
-        hinge,
-        state.last if slides else number,
-    )
-
-
-def _alignment(wanted: Sequence[Screw], given: Sequence[Screw], state: _State) -> Alignment:
-    unknowns, _ = _position(wanted, given, state)
-    slides = iter(unknowns[3:])
-    offsets = tuple(next(slides) if screw.slides else turn for screw, turn in zip(given, state.turns, strict=True))
-    x, y, z = unknowns[:3]
-    return Alignment(rotation=state.base, translation=(x, y, z), signs=state.signs, offsets=offsets)
+    placed, last = multiply(turn, state.placed), state.last if slides else number
+    return _State(base, (*state.signs, sign), (*turns, 0.0), placed, hinge, last)
 
 
 def _position(wanted: Sequence[Screw], given: Sequence[Screw], state: _State) -> tuple[list[float], float]:
@@ -306,12 +247,6 @@ def _angle_about(axis: Vec3, start: Vec3, end: Vec3) -> float:
     """The turn about an axis that brings one vector nearest to another [rad]."""
     here, there = _across(axis, start), _across(axis, end)
     return math.atan2(dot(axis, cross(here, there)), dot(here, there))
-
-
-def _angle_of(axis: Vec3, turn: Rotation) -> float:
-    """The angle of a rotation about an axis [rad]."""
-    twice_sine = dot(axis, (turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]))
-    return math.atan2(twice_sine, turn[0] + turn[4] + turn[8] - 1.0)
 
 
 def _shortest_turn(start: Vec3, end: Vec3) -> Rotation:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, cos_sin, cross, exact_cos_sin
+from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, cos_sin, cross, exact_cos_sin
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -182,8 +182,14 @@ class CompiledChain:
         cosine = sine = None
         if not isinstance(angle, float) or angle != 0.0:
             cosine, sine = exact_cos_sin(angle)
-            if _is(cosine, 0.0) or _is(sine, 0.0):
-                self._rename(about, cosine, sine)
+            if _is(cosine, 0.0) or _is(sine, 0.0):  # A quarter turn gives two axes other names.
+                names = list(self._names)
+                after, last = (about + 1) % 3, (about + 2) % 3
+                if cosine:
+                    names[after], names[last] = self._named(after, cosine), self._named(last, cosine)
+                else:
+                    names[after], names[last] = self._named(last, sine), self._named(after, -sine)
+                self._names = (names[0], names[1], names[2])
                 cosine = sine = None
         if cosine is None and joint is None:
             return
@@ -208,8 +214,10 @@ class CompiledChain:
         for along, length in enumerate(transform.translation):
             self.move(along, length)
         matrix = transform.rotation
-        columns = (matrix[0::3], matrix[1::3], matrix[2::3])
-        if _is_renaming(columns):
+        columns: Any = (matrix[0::3], matrix[1::3], matrix[2::3])
+        x, y, z = columns
+        is_whole = all(element in (-1.0, 0.0, 1.0) for element in matrix)
+        if is_whole and any(z) and cross(x, y) == z and cross(y, z) == x and cross(z, x) == y:  # only quarter turns
             x, y, z = [next(self._named(row, column[row]) for row in range(3) if column[row]) for column in columns]
             self._names = (x, y, z)
         else:
@@ -235,7 +243,8 @@ class CompiledChain:
                 cosine, sine, sign = numbers
                 if joint is not None:
                     _, c, s = values[joint]
-                    cosine, sine = _together(cosine, sine, sign, c, s)
+                    s = s if sign > 0 else -s
+                    cosine, sine = (c, s) if cosine is None else (cosine * c + -sine * s, sine * c + cosine * s)
                 after, last = (axis + 1) % 3, axis - 1
                 axes[after], axes[last] = turned(cosine, sine, axes[after], axes[last])
             elif kind == _STOP:
@@ -244,21 +253,9 @@ class CompiledChain:
                 matrix, names = numbers
                 if joint is not None:
                     _, c, s = values[joint]
-                    x, y, z = matrix
-                    matrix = _about(x, y, z, c, s)
+                    matrix = rotation_about(matrix, c, s)
                 axes = mixed(matrix, _renamed(axes, names, vectors))
         return stops
-
-    def _rename(self, about: int, cosine: float, sine: float) -> None:
-        """A quarter turn."""
-        names = list(self._names)
-        after, last = (about + 1) % 3, (about + 2) % 3
-        if cosine:
-            names[after], names[last] = self._named(after, cosine), self._named(last, cosine)
-        else:
-            names[after], names[last] = self._named(last, sine), self._named(after, -sine)
-        x, y, z = names
-        self._names = (x, y, z)
 
     def _named(self, axis: int, factor: float) -> tuple[int, float]:
         """The name of an axis of the frame, or of its opposite."""
@@ -272,33 +269,17 @@ def _renamed(axes: Sequence[Vector], names: Names, vectors: Vectors) -> Axes:
     return (x, y, z)
 
 
-def _is_renaming(columns: tuple[Vec3, Vec3, Vec3]) -> bool:
-    """Whether a matrix turns a right-handed frame by quarter turns."""
-    x, y, z = columns
-    whole = all(element in (-1.0, 0.0, 1.0) for column in columns for element in column)
-    return whole and any(z) and cross(x, y) == z and cross(y, z) == x and cross(z, x) == y
-
-
 def _is(number: Numbers, value: float) -> bool:
     """Whether a number is this one for all arms."""
     return isinstance(number, float) and number == value
 
 
-# --- The numbers of steps at joint values -----------------------------------------------------------------------------
-
-
-def _together(cosine: Numbers, sine: Numbers, sign: float, c: Numbers, s: Numbers) -> tuple[Numbers, Numbers]:
-    """Cosine and sine of an angle and a joint value together; an angle of 0 is None."""
-    if cosine is None:
-        return c, (s if sign > 0 else -s)
-    return cosine * c + -sign * sine * s, sine * c + sign * cosine * s
-
-
-def _about(x: Numbers, y: Numbers, z: Numbers, c: Numbers, s: Numbers) -> tuple[Numbers, ...]:
-    """The rotation about a unit vector, row by row (Rodrigues' formula).
+def rotation_about(axis: Vec3, c: Numbers, s: Numbers) -> Rotation:
+    """The rotation about a unit vector by an angle with this cosine and sine, row by row (Rodrigues' formula).
 
     The diagonal x² + c·(1 − x²) is c + x²·(1 − c), and exact about the axes of the frame.
     """
+    x, y, z = axis
     versine = 1.0 - c
     xx, yy, zz = (k * k + (1.0 - k * k) * c for k in (x, y, z))
     xs, ys, zs = (k * s for k in (x, y, z))

@@ -12,8 +12,7 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, link_poses, reach as table_reach
-from dh2urdf.kinematics.facts import Line
+from dh2urdf.kinematics.chain import Screw, dh_frames, dh_transform, joint_variables, link_poses, reach as table_reach
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, dot, norm, rotate, scale, subtract
@@ -177,7 +176,7 @@ class AxisNormal(NamedTuple):
     angle: float
 
 
-def common_normal(one: Line, other: Line, near: Vec3, least: float) -> AxisNormal:
+def common_normal(one: Screw, other: Screw, near: Vec3, least: float) -> AxisNormal:
     """The common normal of two axes.
 
     Args:
@@ -205,7 +204,7 @@ def common_normal(one: Line, other: Line, near: Vec3, least: float) -> AxisNorma
     return AxisNormal(Position.MEETING, start, start, scale(1.0 / sine, product), angle)
 
 
-def _at(line: Line, far: float) -> Vec3:
+def _at(line: Screw, far: float) -> Vec3:
     """A point of a line, so far from its own one [m]."""
     return add(line.point, scale(far, line.direction))
 
@@ -262,7 +261,7 @@ def robot_normals(
     for name, joint in moving.items():
         pose = place @ poses[joint.child]
         direction = rotate(pose.rotation, joint.axis)
-        lines[name] = Line(pose.translation, scale(1.0 / norm(direction), direction))
+        lines[name] = Screw(scale(1.0 / norm(direction), direction), pose.translation)
     feet: dict[str, list[Vec3]] = {name: [] for name in lines}
     arrivals: dict[str, Vec3] = {}
     for name, joint in moving.items():  # a robot's joints come after the ones that hold them
@@ -301,11 +300,11 @@ def _axis(frame: RigidTransform, number: int) -> Vec3:
     return (r[number], r[number + 3], r[number + 6])
 
 
-def _z_line(frame: RigidTransform) -> Line:
-    return Line(frame.translation, _axis(frame, 2))
+def _z_line(frame: RigidTransform) -> Screw:
+    return Screw(_axis(frame, 2), frame.translation)
 
 
-def _line(name: str, line: Line, feet: Sequence[Vec3], reach: float) -> Stroke:
+def _line(name: str, line: Screw, feet: Sequence[Vec3], reach: float) -> Stroke:
     """An axis, some way beyond the feet on it."""
     along = [dot(subtract(foot, line.point), line.direction) for foot in feet]
     ends = min(along) - _BEYOND * reach, max(along) + _BEYOND * reach

@@ -16,10 +16,18 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.documents import BROKEN_ARCHIVE
 from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, forward_kinematics, link_poses, position_error
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    angle_error,
+    forward_kinematics,
+    link_poses,
+    position_error,
+    screws_of_chain,
+    screws_of_table,
+)
 from dh2urdf.kinematics.comparison import DECIMALS, POSES, TOLERANCE, Agreement, compare
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
-from dh2urdf.kinematics.screws import axis_error, screws_of_chain, screws_of_table
+from dh2urdf.kinematics.screws import axis_error
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.meshes import addresses
 from dh2urdf.plugin_system.calls import default_call
@@ -115,8 +123,8 @@ def differences(chain: KinematicChain, table: Manipulator, q: Sequence[float]) -
     A description places the frames of its links as it likes along the axes; so of a joint its axis is compared: the
     distance of the description's joint from the table's axis, and the angle between the two axes.
     """
-    axes = zip(screws_of_chain(chain, q), screws_of_table(table, q), strict=True)
-    found, wanted = chain.forward_kinematics(tuple(q)), forward_kinematics(table, q)
+    (given, found), wanted = screws_of_chain(chain, q), forward_kinematics(table, q)
+    axes = zip(given, screws_of_table(table, q), strict=True)
     tip = Apart(position_error(wanted, found), angle_error(wanted, found))
     return (*(Apart(*axis_error(one, other)) for one, other in axes), tip)
 

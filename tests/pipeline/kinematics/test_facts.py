@@ -10,13 +10,8 @@ import numpy as np
 import pytest
 
 from dh2urdf.columns import in_columns
-from dh2urdf.kinematics.facts import (
-    KinematicFacts,
-    OpwParameters,
-    axes_at,
-    kinematic_facts,
-    kinematic_facts_of_columns,
-)
+from dh2urdf.kinematics.chain import screws_of_table
+from dh2urdf.kinematics.facts import KinematicFacts, OpwParameters, kinematic_facts, kinematic_facts_of_columns
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 
 HALF_PI, PI = math.pi / 2, math.pi
@@ -112,7 +107,7 @@ def test_axes_are_where_the_joints_turn(convention: Convention) -> None:
     )
     table = Manipulator(name="arm", convention=convention, rows=rows)
     q, step = [0.2, -0.5, 0.8, 1.1], 1e-6
-    for joint, line in enumerate(axes_at(table, q)):
+    for joint, line in enumerate(screws_of_table(table, q)):
         moved = list(q)
         moved[joint] += step
         turn = np.array(table.fk(moved)) @ np.linalg.inv(table.fk(q))

@@ -99,57 +99,34 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmCall:
-    """An arm of a cell as a run file asks for it.
+    """An arm of a cell as a run file asks for it."""
 
-    Attributes:
-        name: its name in the cell.
-        of: name of the manipulator of the run that it is.
-        prefix: what stands before the names of its links, joints and materials.
-        parent: name of the arm that holds it; None for the world.
-        link: the link of that arm, without its prefix.
-        placement: its root link in the link that holds it.
-        mark: where it stands.
-        of_mark: where its manipulator is named.
-        parent_mark: where its parent is named.
-    """
-
-    name: str
-    of: str
-    prefix: str
-    parent: str | None = None
-    link: str = WORLD
-    placement: Origin = Origin()
+    name: str  # its name in the cell
+    of: str  # name of the manipulator of the run that it is
+    prefix: str  # what stands before the names of its links, joints and materials
+    parent: str | None = None  # name of the arm that holds it; None for the world
+    link: str = WORLD  # the link of that arm, without its prefix
+    placement: Origin = Origin()  # its root link in the link that holds it
     mark: Mark | None = field(default=None, compare=False)
-    of_mark: Mark | None = field(default=None, compare=False)
-    parent_mark: Mark | None = field(default=None, compare=False)
+    of_mark: Mark | None = field(default=None, compare=False)  # where its manipulator is named
+    parent_mark: Mark | None = field(default=None, compare=False)  # where its parent is named
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellCall:
-    """A cell as a run file asks for it.
-
-    Attributes:
-        name: its name.
-        arms: its arms, parents before children.
-        mark: where it stands.
-    """
+    """A cell as a run file asks for it."""
 
     name: str
-    arms: tuple[ArmCall, ...]
+    arms: tuple[ArmCall, ...]  # its arms, parents before children
     mark: Mark | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cell:
-    """A cell and the tables of its arms: all that a worker needs to make it.
+    """A cell and the tables of its arms: all that a worker needs to make it."""
 
-    Attributes:
-        call: the cell as the run file asks for it.
-        manipulators: the tables, by their names.
-    """
-
-    call: CellCall
-    manipulators: dict[str, Manipulator]
+    call: CellCall  # the cell as the run file asks for it
+    manipulators: dict[str, Manipulator]  # the tables, by their names
 
     @property
     def name(self) -> str:

@@ -281,17 +281,11 @@ def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform,
 
 
 class Screw(NamedTuple):
-    """The axis of a joint at some q.
+    """The axis of a joint at some q."""
 
-    Attributes:
-        direction: unit vector, in the direction that the joint counts.
-        point: a point of the axis [m].
-        slides: whether the joint is prismatic.
-    """
-
-    direction: Vec3
-    point: Vec3
-    slides: bool = False
+    direction: Vec3  # unit vector, in the direction that the joint counts
+    point: Vec3  # a point of the axis [m]
+    slides: bool = False  # whether the joint is prismatic
 
 
 def screws_in_frames(manipulator: Manipulator, frames: Sequence[RigidTransform]) -> list[Screw]:

@@ -50,17 +50,11 @@ DECIMALS = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """How far two arms are from each other.
+    """How far two arms are from each other."""
 
-    Attributes:
-        position_error: largest distance of the tips [m].
-        angle_error: largest angle between them [rad].
-        q: the description's joint vector at the largest distance [rad or m].
-    """
-
-    position_error: float
-    angle_error: float
-    q: tuple[float, ...]
+    position_error: float  # largest distance of the tips [m]
+    angle_error: float  # largest angle between them [rad]
+    q: tuple[float, ...]  # the description's joint vector at the largest distance [rad or m]
 
     @property
     def is_none(self) -> bool:
@@ -70,26 +64,18 @@ class Difference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """What came of laying a robot description beside a table.
+    """What came of laying a robot description beside a table."""
 
-    Attributes:
-        base_link: where the description's chain begins.
-        tip_link: where it ends.
-        joints: its moving joints.
-        difference: how far the two are from each other as they stand; None where they cannot be compared.
-        corrected: the table with the base, tool, signs and offsets that make them the same arm, or nearly so; None
-            where there is no such table, or none is needed.
-        remaining: how far they are from each other then.
-        first_difference: why there is no such table: where they part, as a sentence.
-    """
-
-    base_link: str
-    tip_link: str
-    joints: tuple[str, ...]
+    base_link: str  # where the description's chain begins
+    tip_link: str  # where it ends
+    joints: tuple[str, ...]  # its moving joints
+    # how far the two are from each other as they stand; None where they cannot be compared
     difference: Difference | None
+    # the table with the base, tool, signs and offsets that make them the same arm, or nearly so; None where there is no
+    # such table, or none is needed
     corrected: Manipulator | None = None
-    remaining: Difference | None = None
-    first_difference: str | None = None
+    remaining: Difference | None = None  # how far they are from each other then
+    first_difference: str | None = None  # why there is no such table: where they part, as a sentence
 
     @property
     def holds(self) -> bool:

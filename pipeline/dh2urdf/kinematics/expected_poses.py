@@ -40,32 +40,20 @@ LARGEST_SAMPLE = 1e3
 
 
 class Stretch(NamedTuple):
-    """The way along one arm.
+    """The way along one arm."""
 
-    Attributes:
-        manipulator: its table as far as the way goes; what follows the last of these rows is its tool.
-        joints: names of its moving joints in the robot, in order.
-        placement: the arm's root link in what holds it.
-    """
-
-    manipulator: Manipulator
-    joints: tuple[str, ...]
-    placement: RigidTransform = IDENTITY
+    manipulator: Manipulator  # its table as far as the way goes; what follows the last of these rows is its tool
+    joints: tuple[str, ...]  # names of its moving joints in the robot, in order
+    placement: RigidTransform = IDENTITY  # the arm's root link in what holds it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tip:
-    """A frame whose pose the tables say.
-
-    Attributes:
-        link: its name in the robot.
-        way: the arms on the way to it, from the root outwards.
-        columns: which entries of the robot's joint vector move it, in the order of the way.
-    """
+    """A frame whose pose the tables say."""
 
     link: str
-    way: tuple[Stretch, ...]
-    columns: tuple[int, ...]
+    way: tuple[Stretch, ...]  # the arms on the way to it, from the root outwards
+    columns: tuple[int, ...]  # which entries of the robot's joint vector move it, in the order of the way
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -101,21 +89,13 @@ class Tip:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExpectedPoses:
-    """What the tables declare about a robot.
-
-    Attributes:
-        name: the robot's name.
-        root: name of its root link.
-        tips: the frames whose poses follow from the tables.
-        joints: its moving joints; a joint vector has an entry for each.
-        mark: where the robot is in its file.
-    """
+    """What the tables declare about a robot."""
 
     name: str
-    root: str = ROOT
-    tips: tuple[Tip, ...]
-    joints: tuple[str, ...]
-    mark: Mark | None = None
+    root: str = ROOT  # name of its root link
+    tips: tuple[Tip, ...]  # the frames whose poses follow from the tables
+    joints: tuple[str, ...]  # its moving joints; a joint vector has an entry for each
+    mark: Mark | None = None  # where the robot is in its file
 
     @classmethod
     def of(cls, manipulator: Manipulator) -> ExpectedPoses:

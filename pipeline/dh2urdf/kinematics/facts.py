@@ -32,44 +32,26 @@ _OPW_JOINTS = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpwParameters:
-    """The parameters of an arm with an ortho-parallel basis and a spherical wrist.
+    """The parameters of an arm with an ortho-parallel basis and a spherical wrist."""
 
-    Attributes:
-        a1: from axis 1 to axis 2 [m].
-        a2: from axis 3 to axis 4, across [m].
-        b: from the plane of the arm to the wrist, sideways [m].
-        c1: height of axis 2 above the base link [m].
-        c2: from axis 2 to axis 3 [m].
-        c3: from axis 3 to the wrist's centre [m].
-        c4: from the wrist's centre to the tip [m].
-        offsets: of the joints [rad].
-        signs: of the joints, 1 or −1.
-    """
-
-    a1: float
-    a2: float
-    b: float
-    c1: float
-    c2: float
-    c3: float
-    c4: float
-    offsets: tuple[float, ...]
-    signs: tuple[int, ...]
+    a1: float  # from axis 1 to axis 2 [m]
+    a2: float  # from axis 3 to axis 4, across [m]
+    b: float  # from the plane of the arm to the wrist, sideways [m]
+    c1: float  # height of axis 2 above the base link [m]
+    c2: float  # from axis 2 to axis 3 [m]
+    c3: float  # from axis 3 to the wrist's centre [m]
+    c4: float  # from the wrist's centre to the tip [m]
+    offsets: tuple[float, ...]  # of the joints [rad]
+    signs: tuple[int, ...]  # of the joints, 1 or −1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KinematicFacts:
-    """What the axes of an arm say.
+    """What the axes of an arm say."""
 
-    Attributes:
-        parallel: runs of joints whose axes are parallel, by name.
-        spherical_wrist: the last three joints, where their axes meet in one point.
-        opw: the parameters of an OPW arm; None for any other.
-    """
-
-    parallel: tuple[tuple[str, ...], ...]
-    spherical_wrist: tuple[str, ...]
-    opw: OpwParameters | None
+    parallel: tuple[tuple[str, ...], ...]  # runs of joints whose axes are parallel, by name
+    spherical_wrist: tuple[str, ...]  # the last three joints, where their axes meet in one point
+    opw: OpwParameters | None  # the parameters of an OPW arm; None for any other
 
     def sentences(self) -> list[str]:
         """The facts, each as a sentence without a full stop."""

@@ -241,17 +241,12 @@ def _turn(rotation: Any) -> Vector:  # noqa: ANN401 - nine numbers
 
 
 class Dexterity(NamedTuple):
-    """What an arm can do from a joint vector.
+    """What an arm can do from a joint vector."""
 
-    Attributes:
-        manipulability: the product of the singular values of the Jacobian of tool0, lengths in m.
-        smallest_singular_value: 0 at a singularity.
-        margins: by joint, how far its value is from the nearer limit [rad or m]; negative outside. Joints without
-            limits are left out.
-    """
-
-    manipulability: float
-    smallest_singular_value: float
+    manipulability: float  # the product of the singular values of the Jacobian of tool0, lengths in m
+    smallest_singular_value: float  # 0 at a singularity
+    # by joint, how far its value is from the nearer limit [rad or m]; negative outside. Joints without limits are left
+    # out
     margins: dict[str, float]
 
 

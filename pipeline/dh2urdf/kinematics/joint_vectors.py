@@ -23,21 +23,14 @@ say = Messages(__file__)
 
 
 class JointNames(NamedTuple):
-    """The joints that a joint vector may speak of.
+    """The joints that a joint vector may speak of."""
 
-    Attributes:
-        wanted: the joints that have an entry of the vector, in order.
-        moving: the joints whose values are asked for, in order; the others of `wanted` are fixed, and their entry is 0.
-        known: further joints, which may be named although they are not asked for.
-        whose: what has the joints, for messages: ``manipulator 'ur5'``.
-        function: what was called, for messages: ``Manipulator.fk()``.
-    """
-
-    wanted: tuple[str, ...]
+    wanted: tuple[str, ...]  # the joints that have an entry of the vector, in order
+    # the joints whose values are asked for, in order; the others of `wanted` are fixed, and their entry is 0
     moving: tuple[str, ...]
-    known: tuple[str, ...] = ()
-    whose: str = "the arm"
-    function: str = "fk()"
+    known: tuple[str, ...] = ()  # further joints, which may be named although they are not asked for
+    whose: str = "the arm"  # what has the joints, for messages: ``manipulator 'ur5'``
+    function: str = "fk()"  # what was called, for messages: ``Manipulator.fk()``
 
     def refused(self, code: str, kind: type[Any] = RecordValueError, **about: Any) -> Exception:  # noqa: ANN401 - of a message
         """The error that refuses a joint vector."""

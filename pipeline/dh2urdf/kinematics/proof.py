@@ -45,25 +45,16 @@ TOGETHER = 9000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proof:
-    """How far a written description is from the DH product.
+    """How far a written description is from the DH product."""
 
-    Attributes:
-        position_error: largest distance of a tool0 from where the DH product has it [m].
-        angle_error: largest angle between them [rad].
-        q: the joint vector of the largest position error, or of the largest angle error where positions agree.
-        tolerance: what `position_error` may be [m].
-        poses: how many joint vectors were compared.
-        tip: the frame of the largest position error: tool0, with its arm's prefix in a cell.
-        tips: the largest position error of every such frame [m].
-    """
-
-    position_error: float
-    angle_error: float
+    position_error: float  # largest distance of a tool0 from where the DH product has it [m]
+    angle_error: float  # largest angle between them [rad]
+    # the joint vector of the largest position error, or of the largest angle error where positions agree
     q: tuple[float, ...]
-    tolerance: float
-    poses: int
-    tip: str = TOOL
-    tips: dict[str, float] = field(default_factory=dict)
+    tolerance: float  # what `position_error` may be [m]
+    poses: int  # how many joint vectors were compared
+    tip: str = TOOL  # the frame of the largest position error: tool0, with its arm's prefix in a cell
+    tips: dict[str, float] = field(default_factory=dict)  # the largest position error of every such frame [m]
 
     @property
     def holds(self) -> bool:
@@ -132,17 +123,11 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
 
 
 class LargestErrors(NamedTuple):
-    """How far two chains of the same joints are from each other at most.
+    """How far two chains of the same joints are from each other at most."""
 
-    Attributes:
-        position: largest distance [m].
-        angle: largest angle [rad].
-        q: the joint vector of the largest distance, and of the largest angle where distances agree.
-    """
-
-    position: float
-    angle: float
-    q: tuple[float, ...]
+    position: float  # largest distance [m]
+    angle: float  # largest angle [rad]
+    q: tuple[float, ...]  # the joint vector of the largest distance, and of the largest angle where distances agree
 
 
 def largest_errors(said: CompiledChain, found: CompiledChain, poses: Iterable[Sequence[float]]) -> LargestErrors:

@@ -49,34 +49,21 @@ MOST_STATES = 4096
 
 
 class Mismatch(NamedTuple):
-    """Where two arms part.
+    """Where two arms part."""
 
-    Attributes:
-        joint: index of the first joint whose axis cannot be laid upon the other's.
-        angle: by how much its direction differs then [rad]; 0 where that fits.
-        distance: by how much its position differs then [m].
-    """
-
-    joint: int
-    angle: float
-    distance: float
+    joint: int  # index of the first joint whose axis cannot be laid upon the other's
+    angle: float  # by how much its direction differs then [rad]; 0 where that fits
+    distance: float  # by how much its position differs then [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alignment:
-    """What lays a table's axes upon a description's.
+    """What lays a table's axes upon a description's."""
 
-    Attributes:
-        rotation: that of the base transform X.
-        translation: that of X [m].
-        signs: 1 or −1 per joint.
-        offsets: the table's joint values at the description's zero [rad or m].
-    """
-
-    rotation: Rotation
-    translation: Vec3
-    signs: tuple[int, ...]
-    offsets: tuple[float, ...]
+    rotation: Rotation  # that of the base transform X
+    translation: Vec3  # that of X [m]
+    signs: tuple[int, ...]  # 1 or −1 per joint
+    offsets: tuple[float, ...]  # the table's joint values at the description's zero [rad or m]
 
 
 def axis_error(given: Screw, wanted: Screw) -> tuple[float, float]:
@@ -89,23 +76,14 @@ def axis_error(given: Screw, wanted: Screw) -> tuple[float, float]:
 
 
 class _State(NamedTuple):
-    """The first joints of the table, laid upon those of the description.
+    """The first joints of the table, laid upon those of the description."""
 
-    Attributes:
-        base: rotation of X.
-        signs: of these joints.
-        turns: offsets of those that turn, 0 of those that slide [rad].
-        placed: Q behind these joints.
-        hinge: what can still turn all that follows: index of a joint, −1 for X; None where nothing can.
-        last: index of the last joint that turns, or None.
-    """
-
-    base: Rotation
-    signs: tuple[int, ...]
-    turns: tuple[float, ...]
-    placed: Rotation
-    hinge: int | None
-    last: int | None
+    base: Rotation  # rotation of X
+    signs: tuple[int, ...]  # of these joints
+    turns: tuple[float, ...]  # offsets of those that turn, 0 of those that slide [rad]
+    placed: Rotation  # Q behind these joints
+    hinge: int | None  # what can still turn all that follows: index of a joint, −1 for X; None where nothing can
+    last: int | None  # index of the last joint that turns, or None
 
 
 _START = _State(IDENTITY_ROTATION, (), (), IDENTITY_ROTATION, -1, None)

@@ -142,15 +142,10 @@ def values_of(q: Iterable[Numbers]) -> list[JointValue]:
 
 
 class Frame(NamedTuple):
-    """A frame in that of the root.
+    """A frame in that of the root."""
 
-    Attributes:
-        axes: its x, y and z axis.
-        origin: where it is [m].
-    """
-
-    axes: Axes
-    origin: Vector
+    axes: Axes  # its x, y and z axis
+    origin: Vector  # where it is [m]
 
     @property
     def transform(self) -> RigidTransform:

@@ -52,39 +52,23 @@ MAX_NESTING = 30
 
 
 class Variable(NamedTuple):
-    """The joint variable as an expression names it.
+    """The joint variable as an expression names it."""
 
-    Attributes:
-        kind: ``q``, ``theta`` or ``d``.
-        row: the row that it names, counted from 1; None for ``q``, ``q_i`` and the like.
-        text: how it is written.
-    """
-
-    kind: str
-    row: int | None
-    text: str
+    kind: str  # ``q``, ``theta`` or ``d``
+    row: int | None  # the row that it names, counted from 1; None for ``q``, ``q_i`` and the like
+    text: str  # how it is written
 
 
 class Intermediate(NamedTuple):
-    """An intermediate result.
+    """An intermediate result."""
 
-    Attributes:
-        number: the number, in the unit that the text means; in SI units where it has a dimension.
-        decimal: the decimal text of a bare number.
-        dimension: what it measures, where it names a unit.
-        variable: the joint variable in it.
-        factor: of the joint variable.
-        uses_pi: whether it is a number that was made of π, so that it can only be radians.
-        foreign: whether it names a unit other than the SI unit.
-    """
-
-    number: float
-    decimal: Decimal | None = None
-    dimension: Dimension | None = None
-    variable: Variable | None = None
-    factor: float = 0.0
-    uses_pi: bool = False
-    foreign: bool = False
+    number: float  # the number, in the unit that the text means; in SI units where it has a dimension
+    decimal: Decimal | None = None  # the decimal text of a bare number
+    dimension: Dimension | None = None  # what it measures, where it names a unit
+    variable: Variable | None = None  # the joint variable in it
+    factor: float = 0.0  # of the joint variable
+    uses_pi: bool = False  # whether it is a number that was made of π, so that it can only be radians
+    foreign: bool = False  # whether it names a unit other than the SI unit
 
 
 SPACE = r"[^\S\x1c-\x1f]"
@@ -144,19 +128,12 @@ def from_degrees(number: float) -> float:
 
 
 class Function(NamedTuple):
-    """A function of numbers.
+    """A function of numbers."""
 
-    Attributes:
-        call: what computes it.
-        takes: what its argument may measure besides nothing.
-        gives: what its value measures; None for a bare number.
-        arguments: how many it has.
-    """
-
-    call: Callable[..., float]
-    takes: Dimension | None = None
-    gives: Dimension | None = None
-    arguments: int = 1
+    call: Callable[..., float]  # what computes it
+    takes: Dimension | None = None  # what its argument may measure besides nothing
+    gives: Dimension | None = None  # what its value measures; None for a bare number
+    arguments: int = 1  # how many it has
 
 
 FUNCTIONS = {

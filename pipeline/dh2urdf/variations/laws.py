@@ -68,16 +68,9 @@ class LogUniform:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Normal:
-    """A normal distribution, cut off at two bounds.
+    """A normal distribution, cut off at two bounds."""
 
-    Attributes:
-        mean: of the distribution before it is cut; None for the nominal value.
-        deviation: its standard deviation.
-        low: the lower bound.
-        high: the upper bound.
-    """
-
-    mean: float | None
+    mean: float | None  # of the distribution before it is cut; None for the nominal value
     deviation: float
     low: float
     high: float

@@ -53,93 +53,54 @@ FIELDS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """What a run file wants varied.
-
-    Attributes:
-        field: which field.
-        law: how its values are drawn.
-        joints: of which joints, by their numbers from 1 or by their names; None for all that have the field.
-        units: what the units measure that its values name.
-        mark: where it stands.
-        joint_marks: where each joint is named.
-    """
+    """What a run file wants varied."""
 
     field: str
-    law: Law
+    law: Law  # how its values are drawn
+    # of which joints, by their numbers from 1 or by their names; None for all that have the field
     joints: tuple[int | str, ...] | None = None
-    units: tuple[Dimension, ...] = ()
+    units: tuple[Dimension, ...] = ()  # what the units measure that its values name
     mark: Mark | None = attribute(default=None, compare=False)
-    joint_marks: tuple[Mark, ...] = attribute(default=(), compare=False)
+    joint_marks: tuple[Mark, ...] = attribute(default=(), compare=False)  # where each joint is named
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VariationCall:
-    """A variation as a run file asks for it.
+    """A variation as a run file asks for it."""
 
-    Attributes:
-        name: what the names of its variants begin with.
-        of: name of the manipulator of the run that is varied.
-        vary: what is varied.
-        count: how many variants; None for as many as its grids have points.
-        seed: which of all samples.
-        sampling: how the sample spreads.
-        mark: where it stands.
-        of_mark: where its manipulator is named.
-        count_mark: where its count stands.
-    """
-
-    name: str
-    of: str
+    name: str  # what the names of its variants begin with
+    of: str  # name of the manipulator of the run that is varied
     vary: tuple[Rule, ...]
-    count: int | None = None
-    seed: int = 0
-    sampling: Sampling = Sampling.RANDOM
+    count: int | None = None  # how many variants; None for as many as its grids have points
+    seed: int = 0  # which of all samples
+    sampling: Sampling = Sampling.RANDOM  # how the sample spreads
     mark: Mark | None = attribute(default=None, compare=False)
-    of_mark: Mark | None = attribute(default=None, compare=False)
-    count_mark: Mark | None = attribute(default=None, compare=False)
+    of_mark: Mark | None = attribute(default=None, compare=False)  # where its manipulator is named
+    count_mark: Mark | None = attribute(default=None, compare=False)  # where its count stands
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Factor:
-    """One field of one joint that varies.
+    """One field of one joint that varies."""
 
-    Attributes:
-        key: what reports call it, such as ``a_2``.
-        field: the field.
-        row: index of the joint's row; None where the field is the whole arm's.
-        law: how its values are drawn.
-        nominal: the value of the table; None where it has none, or none that is a number.
-        mark: the place in the run file.
-    """
-
-    key: str
+    key: str  # what reports call it, such as ``a_2``
     field: str
-    row: int | None
-    law: Law
-    nominal: float | None = None
-    mark: Mark | None = attribute(default=None, compare=False)
+    row: int | None  # index of the joint's row; None where the field is the whole arm's
+    law: Law  # how its values are drawn
+    nominal: float | None = None  # the value of the table; None where it has none, or none that is a number
+    mark: Mark | None = attribute(default=None, compare=False)  # the place in the run file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variation:
-    """A table and what varies in it: all that a worker needs to make any of its variants.
+    """A table and what varies in it: all that a worker needs to make any of its variants."""
 
-    Attributes:
-        name: what the names of its variants begin with.
-        nominal: the table.
-        factors: what varies, in the order of the run file and then of the rows.
-        count: how many variants there are.
-        seed: which of all samples.
-        sampling: how the sample spreads.
-        mark: where it stands.
-    """
-
-    name: str
+    name: str  # what the names of its variants begin with
     nominal: Manipulator
-    factors: tuple[Factor, ...]
+    factors: tuple[Factor, ...]  # what varies, in the order of the run file and then of the rows
     count: int
-    seed: int = 0
-    sampling: Sampling = Sampling.RANDOM
+    seed: int = 0  # which of all samples
+    sampling: Sampling = Sampling.RANDOM  # how the sample spreads
     mark: Mark | None = attribute(default=None, compare=False)
 
     @property
@@ -239,15 +200,10 @@ class Variation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variants:
-    """Manipulators of a variation that follow each other, none of which is made yet.
+    """Manipulators of a variation that follow each other, none of which is made yet."""
 
-    Attributes:
-        variation: what they are variants of.
-        numbers: which ones, from 1.
-    """
-
-    variation: Variation
-    numbers: range
+    variation: Variation  # what they are variants of
+    numbers: range  # which ones, from 1
 
     def __len__(self) -> int:
         return len(self.numbers)

@@ -120,49 +120,28 @@ SAFETY = 2.0
 
 
 class Part(NamedTuple):
-    """One row as a variant places it: a joint and the link that it moves.
-
-    Attributes:
-        row: the row.
-        limits: lower and upper complete.
-        holder: the link that the joint is on; None for the base.
-        origin: the link's frame in the frame of the holder.
-        axis: of the joint, in the link's frame.
-        visuals: what is seen, in the link's frame.
-        collisions: what touches.
-        foot: a point of the joint's axis, in the link's frame [m].
-        reach: distance at most to the next joint, from where the foot is at joint value 0 [m].
-        arm: distance at most of the next joint from the joint's axis [m].
-        dh_frame: the DH frame after this row, in the link's frame; None where the variant has none.
-    """
+    """One row as a variant places it: a joint and the link that it moves."""
 
     row: DHRow
-    limits: Limits
-    holder: str | None
-    origin: Origin
-    axis: Vec3
-    visuals: tuple[Visual, ...]
-    collisions: tuple[Collision, ...]
-    foot: Vec3
-    reach: float
-    arm: float
-    dh_frame: RigidTransform | None
+    limits: Limits  # lower and upper complete
+    holder: str | None  # the link that the joint is on; None for the base
+    origin: Origin  # the link's frame in the frame of the holder
+    axis: Vec3  # of the joint, in the link's frame
+    visuals: tuple[Visual, ...]  # what is seen, in the link's frame
+    collisions: tuple[Collision, ...]  # what touches
+    foot: Vec3  # a point of the joint's axis, in the link's frame [m]
+    reach: float  # distance at most to the next joint, from where the foot is at joint value 0 [m]
+    arm: float  # distance at most of the next joint from the joint's axis [m]
+    dh_frame: RigidTransform | None  # the DH frame after this row, in the link's frame; None where the variant has none
 
 
 class Base(NamedTuple):
-    """The body that carries the arm.
+    """The body that carries the arm."""
 
-    Attributes:
-        origin: of base_link_inertia in base_link.
-        visuals: what is seen, in base_link_inertia.
-        collisions: what touches.
-        dh_frame: the DH frame before the first row, in base_link_inertia.
-    """
-
-    origin: Origin
-    visuals: tuple[Visual, ...]
-    collisions: tuple[Collision, ...]
-    dh_frame: Origin = Origin()
+    origin: Origin  # of base_link_inertia in base_link
+    visuals: tuple[Visual, ...]  # what is seen, in base_link_inertia
+    collisions: tuple[Collision, ...]  # what touches
+    dh_frame: Origin = Origin()  # the DH frame before the first row, in base_link_inertia
 
 
 def parameters(manipulator: Manipulator, *, angles: bool = False) -> tuple[Parameter, ...]:

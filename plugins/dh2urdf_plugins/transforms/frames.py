@@ -83,49 +83,28 @@ class Line(NamedTuple):
 
 
 class LinkFrame(NamedTuple):
-    """Where a row's joint and link are.
+    """Where a row's joint and link are."""
 
-    Attributes:
-        joint: the link's frame in the frame of the link before.
-        axis: the joint's axis in the link's frame, with the joint's sign.
-        rail: the joint's axis without its sign, from δ = 0 on, in the frame of the link before.
-        foot: where the segment d begins, in the link's frame.
-        corner: where it ends and the segment a begins.
-        end: where the segment a ends.
-        offset: the segment d.
-        normal: the segment a.
-        dh_frame: the DH frame after the row, in the link's frame.
-    """
-
-    joint: Pose
-    axis: Vec3
-    rail: Line
-    foot: Quantities
-    corner: Quantities
-    end: Quantities
-    offset: Segment
-    normal: Segment
-    dh_frame: RigidTransform
+    joint: Pose  # the link's frame in the frame of the link before
+    axis: Vec3  # the joint's axis in the link's frame, with the joint's sign
+    rail: Line  # the joint's axis without its sign, from δ = 0 on, in the frame of the link before
+    foot: Quantities  # where the segment d begins, in the link's frame
+    corner: Quantities  # where it ends and the segment a begins
+    end: Quantities  # where the segment a ends
+    offset: Segment  # the segment d
+    normal: Segment  # the segment a
+    dh_frame: RigidTransform  # the DH frame after the row, in the link's frame
 
 
 class Frames(NamedTuple):
-    """All frames of an arm.
+    """All frames of an arm."""
 
-    Attributes:
-        base: base_link_inertia in base_link.
-        pedestal: the z axis of the first DH frame, in base_link_inertia.
-        front: the segment a between them and the first joint: of the modified convention.
-        links: one per row.
-        flange: in the last link's frame.
-        tool0: in the last link's frame.
-    """
-
-    base: Pose
-    pedestal: Line
-    front: Segment
-    links: list[LinkFrame]
-    flange: Pose
-    tool0: Pose
+    base: Pose  # base_link_inertia in base_link
+    pedestal: Line  # the z axis of the first DH frame, in base_link_inertia
+    front: Segment  # the segment a between them and the first joint: of the modified convention
+    links: list[LinkFrame]  # one per row
+    flange: Pose  # in the last link's frame
+    tool0: Pose  # in the last link's frame
 
 
 def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:

@@ -62,17 +62,11 @@ def _origin(shape: MeshShape, dh_frame: RigidTransform) -> Origin:
 
 
 class MeshBody(NamedTuple):
-    """A mesh as a solid body of 1 kg/m³, in the frame of the mesh.
+    """A mesh as a solid body of 1 kg/m³, in the frame of the mesh."""
 
-    Attributes:
-        solid: its mass properties.
-        is_closed: whether they are those of the mesh itself, not of its convex hull.
-        size: the longest edge of the box around it [m].
-    """
-
-    solid: Inertial
-    is_closed: bool
-    size: float
+    solid: Inertial  # its mass properties
+    is_closed: bool  # whether they are those of the mesh itself, not of its convex hull
+    size: float  # the longest edge of the box around it [m]
 
 
 def mesh_solid(mesh: Mesh, density: float) -> Inertial:

@@ -61,17 +61,11 @@ LINK_COLOURS = (
 
 
 class Segment(NamedTuple):
-    """A straight part of a link, in the link's frame.
+    """A straight part of a link, in the link's frame."""
 
-    Attributes:
-        centre: its middle [m].
-        length: its length; the sign does not matter [m].
-        rpy: orientation of a body whose z axis lies along it [rad].
-    """
-
-    centre: Quantities
-    length: Quantity
-    rpy: Quantities
+    centre: Quantities  # its middle [m]
+    length: Quantity  # its length; the sign does not matter [m]
+    rpy: Quantities  # orientation of a body whose z axis lies along it [rad]
 
     @classmethod
     def between(cls, start: Quantities, direction: Quantities, length: Quantity, rpy: Quantities) -> Segment:
@@ -80,16 +74,10 @@ class Segment(NamedTuple):
 
 
 class Style(NamedTuple):
-    """How a link is drawn.
+    """How a link is drawn."""
 
-    Attributes:
-        shape: of its segments, one of `SHAPES`.
-        radius: radius, or half the thickness of a box [m].
-        material: its colour.
-    """
-
-    shape: str
-    radius: float
+    shape: str  # of its segments, one of `SHAPES`
+    radius: float  # radius, or half the thickness of a box [m]
     material: Material
 
     def draws(self, segment: Segment) -> bool:

@@ -10,8 +10,7 @@ import pytest
 
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics import dh_frames, row_transform
-from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.kinematics.facts import Line
+from dh2urdf.kinematics.chain import Screw, as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.rotations import RigidTransform
@@ -78,7 +77,7 @@ def test_the_feet_are_the_nearest_points(seed: int) -> None:
     for _ in range(2):
         direction = random.normal(size=3)
         direction /= np.linalg.norm(direction)
-        lines.append(Line(tuple(random.normal(size=3).tolist()), tuple(direction.tolist())))
+        lines.append(Screw(tuple(direction.tolist()), tuple(random.normal(size=3).tolist())))
     one, other = lines
     normal, back = common_normal(one, other, one.point, 1e-9), common_normal(other, one, other.point, 1e-9)
     matrix = np.stack([one.direction, np.negative(other.direction)], axis=1)

@@ -343,9 +343,13 @@ def _columns(some: list[Manipulator | ManipulatorColumns], numbers: list[tuple[A
     rows = []
     for row in model.rows:
         com, tensors = next(columns), next(columns)
-        named = {name: joined(next(columns)) for name in NUMBERS}
-        limits = Limits(**{name: joined(next(columns)) for name in LIMITS})
-        changes = {**named, "com": _com(com, joined), "inertia": _inertia(tensors, joined), "limits": limits}
+        changes: dict[str, Any] = {name: joined(next(columns)) for name in NUMBERS}
+        changes["limits"] = Limits(**{name: joined(next(columns)) for name in LIMITS})
+        if com[0] is not None:
+            changes["com"] = tuple([joined(coordinates) for coordinates in zip(*com, strict=True)])
+        if tensors[0] is not None:
+            of_all = {name: joined([getattr(tensor, name) for tensor in tensors]) for name in INERTIA}
+            changes["inertia"] = Inertia(**of_all)
         rows.append(replace_unchecked(row, **changes, mark=None))
     told = [
         (each.names, each.marks, each.lines)
@@ -360,18 +364,6 @@ def _columns(some: list[Manipulator | ManipulatorColumns], numbers: list[tuple[A
 def row_places(table: Manipulator) -> tuple[PlaceInFile | None, ...]:
     """The place of every row."""
     return tuple([_parts_of(row.mark)[1:] if row.mark else None for row in table.rows])
-
-
-def _com(centres: Sequence[Any], joined: Callable[[Sequence[Any]], Any]) -> Any:  # noqa: ANN401 - None, or a vector
-    if centres[0] is None:
-        return None
-    return tuple([joined(coordinates) for coordinates in zip(*centres, strict=True)])
-
-
-def _inertia(tensors: Sequence[Any], joined: Callable[[Sequence[Any]], Any]) -> Inertia | None:
-    if tensors[0] is None:
-        return None
-    return Inertia(**{name: joined([getattr(tensor, name) for tensor in tensors]) for name in INERTIA})
 
 
 def column(entries: Sequence[Any]) -> Any:  # noqa: ANN401 - None, a float or an array

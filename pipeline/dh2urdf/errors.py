@@ -37,6 +37,7 @@ Every exception carries its data as attributes; its text says where, what was fo
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from dh2urdf.source import Messages, Problem, did_you_mean, in_file_order
@@ -226,11 +227,8 @@ class StageError(ManipulatorError):
         super().__init__(say("stage-failed", stage=stage, of=of, reason=reason, whom=whom))
 
     def __reduce__(self) -> tuple[Callable[..., StageError], tuple[str, ...]]:
-        return _stage_error, (self.stage, self.reason, self.traceback, self.plugin, self.distribution)
-
-
-def _stage_error(stage: str, reason: str, traceback: str, plugin: str, distribution: str) -> StageError:
-    return StageError(stage, reason, traceback, plugin=plugin, distribution=distribution)
+        made = partial(type(self), plugin=self.plugin, distribution=self.distribution)
+        return made, (self.stage, self.reason, self.traceback)
 
 
 class PluginError(Dh2UrdfError):

@@ -57,8 +57,8 @@ EXACTLY_ORTHONORMAL = 1e-12
 _NUMBER = "one finite number in SI units (m, rad, kg, s)"
 
 
-def take_fields(record: Any) -> None:  # noqa: ANN401 - any dataclass
-    """Bring the fields of a frozen record to their types: the `__post_init__` of its class.
+class Record:
+    """A frozen dataclass whose fields are brought to their types when it is made.
 
     A number may also be a column of `dh2urdf.columns`, and what is not finite is left to the checks of the finished
     robot.
@@ -66,37 +66,36 @@ def take_fields(record: Any) -> None:  # noqa: ANN401 - any dataclass
     Raises:
         RecordError: a field does not accept its value; every such field is named.
     """
-    _take(record, exact=False)
+
+    __slots__ = ()
+    _exact = False
+
+    def __post_init__(self) -> None:
+        known: Any = _takes_of
+        get, takes, doubtful = known(type(self), exact=self._exact)
+        values = get(self)
+        kinds = tuple(map(type, values))
+        if kinds not in doubtful:  # A robot has a hundred records of a few types: most have no value to look at.
+            doubtful[kinds] = [each for each in takes if kinds[each[1]] not in each[2]]
+        found: list[tuple[str, RefusedError]] = []
+        for name, number, _, take in doubtful[kinds]:
+            try:
+                taken = take(values[number])
+            except RefusedError as refused:
+                found.append((name, refused))
+            else:
+                if taken is not values[number]:
+                    object.__setattr__(self, name, taken)
+        if found:
+            kind = RecordTypeError if any(refused.is_type for _, refused in found) else RecordValueError
+            raise kind(_problem(self, name, refused) for name, refused in found)
 
 
-def take_exact_fields(record: Any) -> None:  # noqa: ANN401 - any dataclass
-    """As `take_fields`, for records that people make: every number must be a single finite one.
+class ExactRecord(Record):
+    """A record that people make: every number must be a single finite one."""
 
-    Raises:
-        RecordError: a field does not accept its value; every such field is named.
-    """
-    _take(record, exact=True)
-
-
-def _take(record: Any, *, exact: bool) -> None:  # noqa: ANN401 - any dataclass
-    known: Any = _takes_of
-    get, takes, doubtful = known(type(record), exact=exact)
-    values = get(record)
-    kinds = tuple(map(type, values))
-    if kinds not in doubtful:  # A robot has a hundred records of a few types: most have no value to look at.
-        doubtful[kinds] = [each for each in takes if kinds[each[1]] not in each[2]]
-    found: list[tuple[str, RefusedError]] = []
-    for name, number, _, take in doubtful[kinds]:
-        try:
-            taken = take(values[number])
-        except RefusedError as refused:
-            found.append((name, refused))
-        else:
-            if taken is not values[number]:
-                object.__setattr__(record, name, taken)
-    if found:
-        kind = RecordTypeError if any(refused.is_type for _, refused in found) else RecordValueError
-        raise kind(_problem(record, name, refused) for name, refused in found)
+    __slots__ = ()
+    _exact = True
 
 
 def refuse(record: object, field: str, code: str, found: object, **words: Any) -> NoReturn:  # noqa: ANN401 - of a message

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from dh2urdf.fields import function_of, refuse, take_exact_fields, take_fields, unchecked
+from dh2urdf.fields import ExactRecord, Record, function_of, refuse, unchecked
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.shapes import (
     Inertia,
@@ -93,7 +93,7 @@ JOINT_TYPES = {kind.value: kind for kind in JointType}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class Limits(Record):
     """Bounds of one joint value q and of its motion; None where the table says nothing.
 
     Attributes:
@@ -108,12 +108,9 @@ class Limits:
     velocity: float | None = None
     effort: float | None = None
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DHRow:
+class DHRow(ExactRecord):
     """One row of the table: one joint and the link that it moves.
 
     Attributes:
@@ -161,7 +158,7 @@ class DHRow:
     mark: Mark | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        take_exact_fields(self)
+        ExactRecord.__post_init__(self)  # `super()` means another class where a dataclass has slots
         for name in ("joint", "link"):
             if not getattr(self, name).strip():
                 refuse(self, name, "name-missing", getattr(self, name), what=f"the {name}")
@@ -177,7 +174,7 @@ class DHRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Manipulator:
+class Manipulator(ExactRecord):
     """A serial arm as its table says it.
 
     Attributes:
@@ -217,7 +214,7 @@ class Manipulator:
     notices: tuple[Problem, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        take_exact_fields(self)
+        ExactRecord.__post_init__(self)  # `super()` means another class where a dataclass has slots
         if not self.name.strip():
             refuse(self, "name", "name-missing", self.name, what="the manipulator")
         if not self.rows:

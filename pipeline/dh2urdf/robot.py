@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from dh2urdf.fields import function_of, take_fields, unchecked
+from dh2urdf.fields import Record, function_of, unchecked
 from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3, total
 from dh2urdf.shapes import (
@@ -70,7 +70,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inertial:
+class Inertial(Record):
     """Mass properties of a link.
 
     Attributes:
@@ -83,25 +83,19 @@ class Inertial:
     com: Vec3 = ZERO
     inertia: Inertia = Inertia(ixx=0.0, iyy=0.0, izz=0.0)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 WEIGHTLESS = Inertial(mass=0.0)
 """The mass properties of a mere frame, said explicitly: PyBullet takes silence for 1 kg."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Link:
+class Link(Record):
     """A rigid body or, without inertial and shapes, a frame."""
 
     name: str
     inertial: Inertial | None = None
     visuals: tuple[Visual, ...] = ()
     collisions: tuple[Collision, ...] = ()
-
-    def __post_init__(self) -> None:
-        take_fields(self)
 
     @property
     def shapes(self) -> tuple[Visual | Collision, ...]:
@@ -110,7 +104,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Joint:
+class Joint(Record):
     """A joint between two links.
 
     Attributes:
@@ -139,12 +133,9 @@ class Joint:
     armature: float | None = None
     mark: Mark | None = field(default=None, compare=False)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arm:
+class Arm(Record):
     """One arm of a cell.
 
     Attributes:
@@ -161,12 +152,9 @@ class Arm:
     parent: str
     placement: Origin
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Robot:
+class Robot(Record):
     """A tree of links and joints with one root.
 
     Attributes:
@@ -188,9 +176,6 @@ class Robot:
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     arms: tuple[Arm, ...] = field(default=(), compare=False)
     manipulator: Manipulator | None = field(default=None, compare=False)
-
-    def __post_init__(self) -> None:
-        take_fields(self)
 
     @property
     def root(self) -> str:

@@ -250,26 +250,6 @@ def multiply(left: Rotation, right: Rotation) -> Rotation:
     )
 
 
-def turned_about_x(rotation: Rotation, cosine: float, sine: float) -> Rotation:
-    """A rotation after a turn about the x axis, `multiply(rotation, rotation_x(cosine, sine))`; takes columns."""
-    a, b, c, d, e, f, g, h, i = rotation
-    return (
-        *(a, b * cosine + c * sine, c * cosine - b * sine),
-        *(d, e * cosine + f * sine, f * cosine - e * sine),
-        *(g, h * cosine + i * sine, i * cosine - h * sine),
-    )
-
-
-def turned_about_z(rotation: Rotation, cosine: float, sine: float) -> Rotation:
-    """A rotation after a turn about the z axis, `multiply(rotation, rotation_z(cosine, sine))`; takes columns."""
-    a, b, c, d, e, f, g, h, i = rotation
-    return (
-        *(a * cosine + b * sine, b * cosine - a * sine, c),
-        *(d * cosine + e * sine, e * cosine - d * sine, f),
-        *(g * cosine + h * sine, h * cosine - g * sine, i),
-    )
-
-
 def rotate(rotation: Rotation, vector: Vec3) -> Vec3:
     """A vector turned by a rotation."""
     x, y, z = vector
@@ -459,7 +439,7 @@ def nearest_rotation(matrix: Rotation) -> tuple[Rotation, float]:
     """
     rotation = _without_rounding(matrix)
     deviation = _deviation(rotation)
-    if _determinant(rotation) < 0:
+    if dot(cross(rotation[0:3], rotation[3:6]), rotation[6:9]) < 0:
         return rotation, max(2.0, deviation)
     residual = deviation
     for _ in range(_NEWTON_STEPS if deviation < _CONVERGES else 0):
@@ -486,8 +466,3 @@ def _without_rounding(matrix: Rotation) -> Rotation:
 def _deviation(matrix: Rotation) -> float:
     gram = multiply(transpose(matrix), matrix)
     return max(abs(element - (index % 4 == 0)) for index, element in enumerate(gram))
-
-
-def _determinant(matrix: Rotation) -> float:
-    a, b, c, d, e, f, g, h, i = matrix
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from dh2urdf.fields import take_exact_fields, take_fields
+from dh2urdf.fields import ExactRecord, Record
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3
 from dh2urdf.source import Mark
 
@@ -13,7 +13,7 @@ Formulas: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inertia:
+class Inertia(Record):
     """A symmetric inertia tensor [kg·m²]; the products are those of the matrix, not their negatives."""
 
     ixx: float
@@ -23,12 +23,9 @@ class Inertia:
     ixz: float = 0.0
     iyz: float = 0.0
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LinkGeometry:
+class LinkGeometry(ExactRecord):
     """What shape links are drawn with; None where the table leaves it to the transform.
 
     Attributes:
@@ -40,12 +37,9 @@ class LinkGeometry:
     shape: str | None = None
     radius: float | None = None
 
-    def __post_init__(self) -> None:
-        take_exact_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MeshFile:
+class MeshFile(ExactRecord):
     """A file that holds a triangle mesh.
 
     Attributes:
@@ -58,12 +52,9 @@ class MeshFile:
     sha256: str
     content: bytes | None = field(default=None, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        take_exact_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MeshShape:
+class MeshShape(ExactRecord):
     """A mesh file as the shape of a link.
 
     Attributes:
@@ -78,12 +69,9 @@ class MeshShape:
     scale: Vec3 = (1.0, 1.0, 1.0)
     mark: Mark | None = field(default=None, compare=False, repr=False)
 
-    def __post_init__(self) -> None:
-        take_exact_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Payload:
+class Payload(ExactRecord):
     """What an arm carries at its tool.
 
     Attributes:
@@ -96,12 +84,9 @@ class Payload:
     com: Vec3 = (0.0, 0.0, 0.0)
     inertia: Inertia | None = None
 
-    def __post_init__(self) -> None:
-        take_exact_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter:
+class Parameter(Record):
     """A number of the table that formulas may use.
 
     Attributes:
@@ -116,12 +101,9 @@ class Parameter:
     unit: str
     joint: str
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Origin:
+class Origin(Record):
     """A frame in its parent frame.
 
     Attributes:
@@ -136,9 +118,6 @@ class Origin:
     xyz_formula: Formulas | None = field(default=None, compare=False)
     rpy_formula: Formulas | None = field(default=None, compare=False)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
     @classmethod
     def of(cls, transform: RigidTransform) -> Origin:
         """The frame that a rigid transform leads to."""
@@ -151,40 +130,31 @@ class Origin:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Box:
+class Box(Record):
     """A box about its origin; size along x, y, z [m]."""
 
     size: Vec3
     size_formula: Formulas | None = field(default=None, compare=False)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cylinder:
+class Cylinder(Record):
     """A cylinder about its origin, along z; radius and length [m]."""
 
     radius: float
     length: float
     length_formula: str | None = field(default=None, compare=False)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sphere:
+class Sphere(Record):
     """A sphere about its origin; radius [m]."""
 
     radius: float
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mesh:
+class Mesh(Record):
     """A mesh file.
 
     Attributes:
@@ -197,42 +167,30 @@ class Mesh:
     scale: Vec3 = (1.0, 1.0, 1.0)
     file: MeshFile | None = field(default=None, compare=False)
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Material:
+class Material(Record):
     """A colour with a name; red, green, blue, alpha in 0..1."""
 
     name: str
     rgba: tuple[float, float, float, float]
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Visual:
+class Visual(Record):
     """A shape that is seen."""
 
     geometry: Geometry
     origin: Origin = Origin()
     material: Material | None = None
 
-    def __post_init__(self) -> None:
-        take_fields(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Collision:
+class Collision(Record):
     """A shape that touches."""
 
     geometry: Geometry
     origin: Origin = Origin()
-
-    def __post_init__(self) -> None:
-        take_fields(self)

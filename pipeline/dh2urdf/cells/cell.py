@@ -35,10 +35,7 @@ SHOWN_NAMES = 20
 class WantedTables:
     """Keeps the manipulators of some names, and no others.
 
-    Args:
-        names: the names that are wanted.
-        cells: names of the cells of the run, of which nothing is made.
-        variations: names of its variations, of whose variants nothing is made, with what each is made of.
+    Of the cells and variations of the run nothing is made; each variation is given with what it is made of.
     """
 
     def __init__(
@@ -60,10 +57,8 @@ class WantedTables:
     def table(self, name: str, user: str, mark: Mark | None) -> Manipulator | tuple[Problem, ...]:
         """The manipulator of a name, once everything has been seen; why not, where there is none.
 
-        Args:
-            name: one of the names that are wanted.
-            user: what is made of it, as messages call it: ``the arm 'left'``.
-            mark: where the name is in the run file.
+        Messages call what is made of it as `user`: ``the arm 'left'``. The mark is the place of the name in the run
+        file.
         """
         about: dict[str, Any] = {"field": "of", "found": name, "user": user}
         match self._wanted[name]:
@@ -175,11 +170,7 @@ def _of(arm: ArmCall, code: str, field: str, mark: Mark | None, **more: Any) -> 
 
 
 def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
-    """The robot of a cell.
-
-    Args:
-        cell: the cell.
-        robots: the robots of its manipulators, by their names.
+    """The robot of a cell, given the robots of its manipulators by their names.
 
     Raises:
         RobotError: an arm stands on a link that there is not, or two arms have a name in common.
@@ -197,7 +188,9 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
                 origin=arm.placement,
             )
         )
-        joints += [_placed_joint(joint, prefix) for joint in kind.joints]
+        for joint in kind.joints:
+            names = {name: prefix + getattr(joint, name) for name in ("name", "parent", "child")}
+            joints.append(replace(joint, **names, origin=_in_numbers(joint.origin)))
         # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
         root = kind.links[0]
         root = root if root.inertial else replace(root, inertial=WEIGHTLESS)
@@ -248,11 +241,6 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
 # arms are in `Arm.kind`.
 
 
-def _placed_joint(joint: Joint, prefix: str) -> Joint:
-    names = {name: prefix + getattr(joint, name) for name in ("name", "parent", "child")}
-    return replace(joint, **names, origin=_in_numbers(joint.origin))
-
-
 def _placed_link(link: Link, prefix: str) -> Link:
     visuals = [
         replace(shape, material=shape.material and replace(shape.material, name=prefix + shape.material.name))
@@ -276,12 +264,7 @@ def _in_numbers(record: T) -> T:
 
 
 def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
-    """Where the tables have tool0 of every arm of a cell.
-
-    Args:
-        cell: the cell.
-        robots: the robots of its manipulators, by their names, which say where the links stand that hold other arms.
-    """
+    """Where the tables have tool0 of every arm of a cell; the robots say where the links stand that hold other arms."""
     calls = {arm.name: arm for arm in cell.call.arms}
     rows = [(arm, row) for arm in cell.call.arms for row in cell.manipulators[arm.of].moving_rows]
     joints = tuple(arm.prefix + row.joint for arm, row in rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
@@ -84,42 +85,24 @@ _NO_KEYS: Mapping[str, tuple[int, int]] = MappingProxyType({})
 _HALVES = re.compile(r"(?<!\\)((?:\\\\)*)(\\u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2})")
 
 
-def _joined_halves(text: str) -> str:
-    r"""A text in which ``\ud83e\udd16`` has become one character."""
-    return _HALVES.sub(lambda found: found[1] + json.loads(f'"{found[2]}"'), text) if "\\u" in text else text
-
-
 _Sized: TypeAlias = tuple[Node, int, int]
 """A node, the number of values in it, and how many mappings and lists stand inside each other in it."""
 
 
+@dataclass(slots=True)
 class _OpenNode:
     """A mapping or list that is not finished."""
 
-    __slots__ = (
-        "anchor",
-        "depth",
-        "entries",
-        "key",
-        "key_places",
-        "merge_next",
-        "merged",
-        "place",
-        "problems_outside",
-        "size",
-    )
-
-    def __init__(self, entries: dict[str, Node] | list[Node], place: tuple[int, int], anchor: str | None) -> None:
-        self.entries = entries
-        self.place = place
-        self.anchor = anchor
-        self.key: str | None = None  # the key whose value comes next
-        self.key_places: dict[str, tuple[int, int]] = {}
-        self.merge_next = False  # whether that key is `<<`
-        self.merged: Node | None = None  # what `<<` stands for
-        self.size = 1  # values in it, those that aliases stand for included
-        self.depth = 1
-        self.problems_outside: list[Problem] | None = None  # where its entries are yielded one by one
+    entries: dict[str, Node] | list[Node]
+    place: tuple[int, int]
+    anchor: str | None
+    key: str | None = None  # the key whose value comes next
+    key_places: dict[str, tuple[int, int]] = field(default_factory=dict)
+    merge_next: bool = False  # whether that key is `<<`
+    merged: Node | None = None  # what `<<` stands for
+    size: int = 1  # values in it, those that aliases stand for included
+    depth: int = 1
+    problems_outside: list[Problem] | None = None  # where its entries are yielded one by one
 
 
 class Composer:
@@ -128,7 +111,8 @@ class Composer:
     def __init__(
         self, text: str, file: str, error: type[InputError], items_of: str | None, longest_list: int | None
     ) -> None:
-        self.parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(_joined_halves(text))
+        whole = _HALVES.sub(lambda found: found[1] + json.loads(f'"{found[2]}"'), text) if "\\u" in text else text
+        self.parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(whole)
         self.text = text
         self.file = file
         self.error = error
@@ -143,26 +127,22 @@ class Composer:
     def run(self) -> Iterator[Item]:
         """Yields the entries of the chosen list, and then the document."""
         try:
-            yield from self._items()
+            for event in iter(self.parser.get_event, None):
+                finished = self._finished(event)
+                if finished is None:
+                    continue
+                if not self.stack:
+                    self.root = finished[0]
+                elif self.stack[-1].problems_outside is None:
+                    self._place(self.stack[-1], *finished)
+                else:
+                    yield Item(finished[0], tuple(self.problems))
+                    self.problems = []
         except (yaml.YAMLError, ValueError, OverflowError) as reason:  # PyYAML's own parser does not check \U escapes.
             problem = syntax_problem(reason, self.text, self.file)
             if _TOO_DEEP in str(reason) and problem.mark:
                 self._too_deep(problem.mark)
             self._stop(problem)
-
-    def _items(self) -> Iterator[Item]:
-        stack = self.stack
-        for event in iter(self.parser.get_event, None):
-            finished = self._finished(event)
-            if finished is None:
-                continue
-            if not stack:
-                self.root = finished[0]
-            elif stack[-1].problems_outside is None:
-                self._place(stack[-1], *finished)
-            else:
-                yield Item(finished[0], tuple(self.problems))
-                self.problems = []
         if self.root is None or self.root.text == "":
             self._stop(say("file-empty", Mark(file=self.file)))
         yield Item(self.root, tuple(self.problems))
@@ -170,7 +150,14 @@ class Composer:
     def _finished(self, event: yaml.Event) -> _Sized | None:
         """The node that an event finishes, if any."""
         if isinstance(event, yaml.ScalarEvent):
-            return self._scalar(event)
+            text, quoted = event.value, bool(event.style)
+            node = Node(text if quoted else core_value(text), self.file, *_place(event), text, quoted, _NO_KEYS)
+            if event.tag:
+                self._refuse_tag(event, event.tag)
+            if event.anchor:
+                self._begin_anchor(event, event.anchor)
+                self.anchors[event.anchor] = node, 1, 0
+            return node, 1, 0
         if isinstance(event, yaml.CollectionStartEvent):
             self._open(event)
         elif isinstance(event, yaml.CollectionEndEvent):
@@ -180,16 +167,6 @@ class Composer:
         elif isinstance(event, yaml.DocumentStartEvent) and self.root:
             self._stop(say("yaml-second-document", self._mark(event)))
         return None
-
-    def _scalar(self, event: yaml.ScalarEvent) -> _Sized:
-        text, quoted = event.value, bool(event.style)
-        node = Node(text if quoted else core_value(text), self.file, *_place(event), text, quoted, _NO_KEYS)
-        if event.tag:
-            self._refuse_tag(event, event.tag)
-        if event.anchor:
-            self._begin_anchor(event, event.anchor)
-            self.anchors[event.anchor] = node, 1, 0
-        return node, 1, 0
 
     def _open(self, event: yaml.CollectionStartEvent) -> None:
         """Begins a mapping or list."""
@@ -225,7 +202,9 @@ class Composer:
         if isinstance(entries, list):
             entries.append(node)
             if len(entries) > self.longest_list:
-                self._too_long(frame)
+                line, column = frame.place
+                mark = Mark(file=self.file, line=line, column=column)
+                self._stop(say("yaml-list-too-long", mark, most=self.longest_list))
         elif frame.merge_next:
             frame.merge_next, frame.merged = False, node
         elif frame.key is None:
@@ -297,10 +276,6 @@ class Composer:
 
     def _too_deep(self, mark: Mark) -> NoReturn:
         self._stop(say("yaml-too-deep", mark, most=MAX_DEPTH))
-
-    def _too_long(self, frame: _OpenNode) -> NoReturn:
-        mark = Mark(file=self.file, line=frame.place[0], column=frame.place[1])
-        self._stop(say("yaml-list-too-long", mark, most=self.longest_list))
 
     def _mark(self, event: yaml.Event) -> Mark:
         line, column = _place(event)

@@ -44,7 +44,9 @@ def load_yaml(content: bytes | str, file: str, error: type[InputError] = ConfigE
         InputError: of the type given, where the text is not one YAML document.
     """
     if isinstance(content, str) and (word := content.strip()).isalpha() and word.isascii():
-        return _word(content[: content.index(word)], word, file)
+        # Most options and comment lines are one word, which needs no parser: its import costs more.
+        before = content[: content.index(word)]
+        return Node(core_value(word), file, before.count("\n") + 1, len(before) - before.rfind("\n"), word)
     (root,) = stream_yaml(content, file, error)
     if root.problems:
         raise error(root.problems)
@@ -80,8 +82,3 @@ def stream_yaml(
 
     text = decoded(content, file, error)
     return Composer(text, file, error, items_of, longest_list).run()
-
-
-def _word(before: str, word: str, file: str) -> Node:
-    """The document of one word, as most options and comment lines are: it needs no parser, whose import costs more."""
-    return Node(core_value(word), file, before.count("\n") + 1, len(before) - before.rfind("\n"), word)

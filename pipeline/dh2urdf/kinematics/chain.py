@@ -122,11 +122,8 @@ def compile_table(
 ) -> None:
     """Add base · A_1 · … · A_N · tool to a chain; takes columns.
 
-    Args:
-        chain: what it is added to.
-        manipulator: the table.
-        joints: the number of each moving joint in the joint vector; by default they are counted from 0.
-        with_frames: whether a walk returns the DH frames 0 … N, that is, stops before the first row and after each.
+    The moving joints have these numbers in the joint vector, or are counted from 0. With frames, a walk stops before
+    the first row and after each: it returns the DH frames 0 … N.
     """
     chain.transform(manipulator.base)
     if with_frames:
@@ -153,13 +150,10 @@ def compile_table(
 def compile_joints(
     chain: CompiledChain, joints: Sequence[Joint], numbers: Sequence[int] | None = None, *, with_axes: bool = False
 ) -> None:
-    """Add the joints of a description to a chain, each with its origin and its motion; takes columns.
+    """Add joints of a description, from the root outwards, to a chain, each with its origin and motion; takes columns.
 
-    Args:
-        chain: what they are added to.
-        joints: from the root outwards.
-        numbers: the number of each moving joint in the joint vector; by default they are counted from 0.
-        with_axes: whether a walk stops where each moving joint is, before it moves.
+    The moving ones have these numbers in the joint vector, or are counted from 0. With axes, a walk stops where each of
+    them is, before it moves.
     """
     following = count() if numbers is None else iter(numbers)
     for joint in joints:

@@ -88,12 +88,8 @@ def compare(
 ) -> Agreement:
     """Compare the kinematics of a description with those of a table, joint by joint in order.
 
-    Args:
-        robot: what the description says.
-        manipulator: the table.
-        base_link: where the chain begins; the root where it is not said.
-        tip_link: where it ends; where it is not said, a usual name, or the last link behind as many moving joints as
-            the table has.
+    The chain begins at the root where no base link is named. Where no tip is, it ends at a link with a usual name, or
+    at the last one behind as many moving joints as the table has.
 
     Raises:
         ConfigError: the description has no such link, or no chain between the two.
@@ -125,9 +121,8 @@ def compare(
 def usual_tips(names: Collection[str]) -> list[str]:
     """The links that are usually meant by the tip of an arm: the one of the likeliest name, else all of one ending.
 
-    Args:
-        names: the names of links, such as ``left_tool0``; the tip of an arm with a prefix counts where no link has a
-            name of `USUAL_TIPS` as it stands.
+    The tip of an arm with a prefix, such as ``left_tool0``, counts where no link has a name of `USUAL_TIPS` as it
+    stands.
     """
     if (whole := next((name for name in USUAL_TIPS if name in names), None)) is not None:
         return [whole]

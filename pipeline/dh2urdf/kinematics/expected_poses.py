@@ -116,13 +116,7 @@ def fractions(joints: int, count: int) -> Poses:
 
 
 def joint_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
-    """Joint vectors inside the limits: the one nearest to zero, then random ones [rad or m].
-
-    Args:
-        expected: what the tables say; a vector has a value for each of its joints, in order.
-        robot: the robot made of them, whose joints have the limits that the tables left open.
-        count: how many.
-    """
+    """So many joint vectors inside the limits of a robot: the one nearest to zero, then random ones [rad or m]."""
     ranges = joint_ranges(expected, robot)
     nearest_to_zero = tuple(min(max(0.0, lower), upper) for lower, upper in ranges)
     others = (

@@ -80,13 +80,7 @@ def kinematic_facts_of_columns(arms: ManipulatorColumns) -> list[KinematicFacts]
 def _facts(
     table: Manipulator, count: int, tables_of: Callable[[Sequence[int]], Sequence[Manipulator]]
 ) -> list[KinematicFacts]:
-    """The facts of some arms.
-
-    Args:
-        table: an arm, or many in columns.
-        count: how many arms there are.
-        tables_of: gives some of them by their places.
-    """
+    """The facts of so many arms: of one table, or of one in columns, some of whose arms are got by their places."""
     moving = table.moving_rows
     lines = screws_of_table(table)
     names = tuple([row.joint for row in moving])
@@ -237,12 +231,7 @@ class _AtZero:
 
 
 def opw_pose(opw: OpwParameters, q: Sequence[float]) -> RigidTransform:
-    """T(base_link → tip) by the model's own equations.
-
-    Args:
-        opw: the parameters.
-        q: a value for each joint [rad].
-    """
+    """T(base_link → tip) by the model's own equations, at a value for each joint [rad]."""
     t1, t2, t3, t4, t5, t6 = (
         sign * value - offset for sign, value, offset in zip(opw.signs, q, opw.offsets, strict=True)
     )

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordValueError
-from dh2urdf.fields import take_fields
+from dh2urdf.fields import Record
 from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach, screws_in_frames
 from dh2urdf.kinematics.joint_vectors import joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_of, joints_of, table_jacobian
@@ -63,11 +63,8 @@ class InverseSolution(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Target:
+class _Target(Record):
     pose: RigidTransform
-
-    def __post_init__(self) -> None:
-        take_fields(self)
 
 
 def inverse_kinematics(
@@ -94,7 +91,7 @@ def inverse_kinematics(
     """
     import numpy as np
 
-    target = _Target(pose).pose  # type: ignore[arg-type]  # `take_fields` takes matrices
+    target = _Target(pose).pose  # type: ignore[arg-type]  # a record takes matrices
     if attempts < 1:
         raise RecordValueError(say("no-attempts", Mark(file=_FUNCTION), field="attempts", attempts=attempts))
     search = _PoseSearch(manipulator, target)
@@ -251,11 +248,7 @@ class Dexterity(NamedTuple):
 
 
 def dexterity(manipulator: Manipulator, q: JointVectors) -> Dexterity:
-    """What an arm can do from a joint vector.
-
-    Args:
-        manipulator: the arm.
-        q: one value per moving joint, or a mapping from their names [rad or m].
+    """What an arm can do from a joint vector: one value per moving joint, also by the names of these joints [rad or m].
 
     Raises:
         RecordError: q is no joint vector of the arm.

@@ -35,39 +35,27 @@ _SPARE = (
 _SWEEPS = 30  # Jacobi's method converges quadratically; a 3x3 matrix needs about five
 
 
-def volume(geometry: Geometry) -> float:
-    """The volume of a primitive [m³].
+def solid(geometry: Geometry, density: float) -> Inertial:
+    """A primitive of one density [kg/m³] as a body, in its own frame.
 
     Raises:
         ValueError: the geometry is a mesh, whose volume only its file knows.
     """
     match geometry:
         case Box(size=(x, y, z)):
-            return x * y * z
-        case Cylinder(radius=radius, length=length):
-            return math.pi * radius * radius * length
-        case Sphere(radius=radius):
-            return 4.0 / 3.0 * math.pi * radius * radius * radius
-    raise ValueError(f"the volume of {type(geometry).__name__} is not known here")
-
-
-def solid(geometry: Geometry, density: float) -> Inertial:
-    """A primitive of one density [kg/m³] as a body, in its own frame.
-
-    Raises:
-        ValueError: the geometry is a mesh.
-    """
-    mass = density * volume(geometry)
-    match geometry:
-        case Box(size=(x, y, z)):
+            mass = density * (x * y * z)
             k = mass / 12.0
             inertia = new_inertia(ixx=k * (y * y + z * z), iyy=k * (x * x + z * z), izz=k * (x * x + y * y))
         case Cylinder(radius=r, length=h):
+            mass = density * (math.pi * r * r * h)
             across = mass / 12.0 * (3.0 * r * r + h * h)
             inertia = new_inertia(ixx=across, iyy=across, izz=0.5 * mass * r * r)
         case Sphere(radius=r):
+            mass = density * (4.0 / 3.0 * math.pi * r * r * r)
             moment = 0.4 * mass * r * r
             inertia = new_inertia(ixx=moment, iyy=moment, izz=moment)
+        case _:
+            raise ValueError(f"the volume of {type(geometry).__name__} is not known here")
     return new_inertial(mass=mass, inertia=inertia)
 
 

@@ -65,13 +65,9 @@ class Proof:
 
 
 def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[float]], *, at_once: bool = False) -> Proof:
-    """Compare T(root → tool0), of every arm, of what was written with the DH product.
+    """Compare T(root → tool0), of every arm, of what was read back from the file with the DH product at joint vectors.
 
-    Args:
-        expected: what the tables say.
-        written: the robot read back from the file.
-        poses: joint vectors, one value per joint of the tables [rad or m].
-        at_once: whether to walk all of them together: several times as fast, where numpy has been imported.
+    At once, all of them are walked together: several times as fast, where numpy has been imported.
 
     Raises:
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
@@ -160,11 +156,9 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
 
 
 def _largest_of_arms(position: Array, angle: Array) -> tuple[list[float], list[float], Array]:
-    """The largest errors of each of N arms at P joint vectors, and the number of the joint vector of `LargestErrors.q`.
+    """The largest errors of each of N arms, and the number of the joint vector of `LargestErrors.q`.
 
-    Args:
-        position: of shape (P, N), the squared distances of the tips [m²].
-        angle: of shape (P, N), the sums of the squared differences of their axes.
+    Both arrays are of shape (P, N): squared distances of the tips [m²], sums of the squared differences of their axes.
     """
     import numpy as np
 
@@ -178,13 +172,7 @@ def _largest_of_arms(position: Array, angle: Array) -> tuple[list[float], list[f
 
 
 def _squared_differences(one: Frame, other: Frame, *, shape: tuple[int, int]) -> tuple[Array, Array]:
-    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes.
-
-    Args:
-        one: that of the table.
-        other: that of the file.
-        shape: of the arrays that are returned.
-    """
+    """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes."""
     import numpy as np
 
     position = _squared(one.origin - other.origin)
@@ -215,11 +203,7 @@ def prove_columns(
 ) -> list[Proof | ProofError | None]:
     """Compare T(base_link → tool0) of what was written with the DH product, at the joint vectors of `proof_vectors`.
 
-    Args:
-        tables: what the tables say.
-        robots: the robots made of them, whose joints have the limits that the tables left open.
-        written: what was read back from the files, in groups, each with the places of its members among the tables.
-        count: random joint vectors of each proof, besides zero, both ends of the limits and the nearest to zero.
+    What was read back from the files is in groups, each with the places of its members among the tables.
 
     Returns:
         For each table its proof; why there is none, where the written chain does not have the table's moving joints in
@@ -248,12 +232,7 @@ def _proofs(
 ) -> list[Proof]:
     """The proofs of arms whose files move the joints of their tables.
 
-    Args:
-        table: what the tables say, in columns.
-        robot: the robots made of them, in columns.
-        joints: those of the written ways to tool0, in columns of their own.
-        places: where the arms are in the columns of the first two.
-        count: random joint vectors.
+    Table and robot are in columns, in which the arms have these places; the joints are in columns of their own.
     """
     import numpy as np
 

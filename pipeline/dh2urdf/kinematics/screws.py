@@ -90,12 +90,9 @@ _START = _State(IDENTITY_ROTATION, (), (), IDENTITY_ROTATION, -1, None)
 
 
 def align(wanted: Sequence[Screw], given: Sequence[Screw], tolerance: float) -> list[Alignment] | Mismatch:
-    """What lays the given axes upon those wanted: every way there is, or where the longest one ends.
+    """What lays the given axes, a table's, upon those wanted: every way there is, or where the longest one ends.
 
-    Args:
-        wanted: the description's axes.
-        given: the table's, as many, and of the same types.
-        tolerance: what directions [rad] and positions [m] may differ.
+    There are as many of both, of the same types. Directions [rad] and positions [m] may differ by the tolerance.
     """
     found: list[Alignment] = []
     waiting = [_START]

@@ -117,11 +117,6 @@ _VARIABLE_KINDS = {"th": "theta", "θ": "theta"}
 # --- Functions --------------------------------------------------------------------------------------------------------
 
 
-def _tangent(angle: float) -> float:
-    cosine, sine = cos_sin(angle)
-    return float(sine / cosine)
-
-
 def from_degrees(number: float) -> float:
     """An angle in rad, of a number of degrees."""
     return number / 90 * HALF_PI
@@ -141,7 +136,7 @@ FUNCTIONS = {
     "abs": Function(abs),
     "sin": Function(lambda angle: float(cos_sin(angle)[1]), takes=Dimension.ANGLE),
     "cos": Function(lambda angle: float(cos_sin(angle)[0]), takes=Dimension.ANGLE),
-    "tan": Function(_tangent, takes=Dimension.ANGLE),
+    "tan": Function(lambda angle: float(cos_sin(angle)[1] / cos_sin(angle)[0]), takes=Dimension.ANGLE),
     "asin": Function(math.asin, gives=Dimension.ANGLE),
     "acos": Function(math.acos, gives=Dimension.ANGLE),
     "atan": Function(math.atan, gives=Dimension.ANGLE),
@@ -252,11 +247,19 @@ class Parser:
         self._fail(say("unexpected", found=token.text))
 
     def _sum(self) -> Intermediate:
-        value = self._product()
+        left = self._product()
         while sign := self._take("+", "-"):
-            other = self._product()
-            value = self._add(value, other if sign == "+" else negative(other))
-        return value
+            right = self._product()
+            right = right if sign == "+" else negative(right)
+            if left.variable and right.variable:
+                self._fail(say("variable-twice" if left.variable.row == right.variable.row else "two-variables"))
+            dimension = left.dimension or right.dimension
+            for value in (left, right):
+                only_variable = value.variable is not None and value.number == 0
+                if value.dimension is not dimension and not only_variable:
+                    self._fail(say("half-a-unit"))
+            left = self._joined(left, right, left.number + right.number, left.factor + right.factor, dimension)
+        return left
 
     def _joined(
         self, left: Intermediate, right: Intermediate, number: float, factor: float, dimension: Dimension | None
@@ -265,16 +268,6 @@ class Parser:
         variable = left.variable or right.variable
         uses_pi, foreign = left.uses_pi or right.uses_pi, left.foreign or right.foreign
         return Intermediate(self._finite(number), None, dimension, variable, self._finite(factor), uses_pi, foreign)
-
-    def _add(self, left: Intermediate, right: Intermediate) -> Intermediate:
-        if left.variable and right.variable:
-            self._fail(say("variable-twice" if left.variable.row == right.variable.row else "two-variables"))
-        dimension = left.dimension or right.dimension
-        for value in (left, right):
-            only_variable = value.variable is not None and value.number == 0
-            if value.dimension is not dimension and not only_variable:
-                self._fail(say("half-a-unit"))
-        return self._joined(left, right, left.number + right.number, left.factor + right.factor, dimension)
 
     def _product(self) -> Intermediate:
         value = self._unit(self._factor())
@@ -364,9 +357,13 @@ class Parser:
             decimal, number = Decimal(digits, int(exponent or 0)), self._finite(float(token.text))
             if number == 0 and not decimal.is_zero:
                 self._fail(say("too-small", found=token.text))
-            if self._next.kind == "word" and self._next.text.casefold() in _CONSTANTS:
-                return self._times_constant(number)
-            return Intermediate(number, decimal)
+            constant = _CONSTANTS.get(self._next.text.casefold())
+            if constant is None:
+                return Intermediate(number, decimal)
+            if self.position > 1 and self.tokens[self.position - 2].text == "/":
+                self._fail(say("pi-below-the-line"))
+            self.position += 1
+            return Intermediate(self._finite(number * constant), uses_pi=True)
         if token.kind == "word":
             self.position += 1
             return self._named(token)
@@ -374,14 +371,6 @@ class Parser:
             value = self._inside(self._sum)
             return value._replace(decimal=None)
         return self._unexpected()
-
-    def _times_constant(self, number: float) -> Intermediate:
-        """A number directly before π: ``2π/3``."""
-        if self.position > 1 and self.tokens[self.position - 2].text == "/":
-            self._fail(say("pi-below-the-line"))
-        constant = _CONSTANTS[self._next.text.casefold()]
-        self.position += 1
-        return Intermediate(self._finite(number * constant), uses_pi=True)
 
     def _inside(self, read: Callable[[], Intermediate]) -> Intermediate:
         """What is in a bracket that was just opened."""
@@ -429,14 +418,12 @@ class Parser:
         attached = star.start == token.start + len(token.text)
         if sign.text in ("+", "-") and number.kind == "number" and end.kind not in ("word", "degree"):
             touching = sign.start == star.start + 1
-            if (touching or (attached and float(number.text) == 1)) and not self._has_pi_ahead():
+            # A number with π is an angle, and no factor of a variable.
+            ahead = {token.text.casefold().rpartition(".")[2] for token in self.tokens[self.position :]}
+            if (touching or (attached and float(number.text) == 1)) and ahead.isdisjoint(_CONSTANTS):
                 self._fail(say("star", found=token.text, sign=sign.text, number=number.text))
         if attached and (sign.kind == "end" or sign.text in ("+", "-", ")")):
             self.position += 1
-
-    def _has_pi_ahead(self) -> bool:
-        """Whether π is among what is left: such a number is an angle, and no factor of a variable."""
-        return any(token.text.casefold().rpartition(".")[2] in _CONSTANTS for token in self.tokens[self.position :])
 
     def _call(self, written: str, function: Function) -> Intermediate:
         arguments = [self._sum()]
@@ -453,7 +440,7 @@ class Parser:
         if function.call is math.atan2 and not any(argument.number for argument in arguments):
             self._fail(say("no-value-there", found=written))
         if function.takes is Dimension.ANGLE:
-            self._check_angle(written, arguments[0])
+            self._refuse_bare_angle(written, arguments[0])
         if function.call is from_degrees and arguments[0].uses_pi:
             self._fail(say("function-of-radians", found=written))
         try:
@@ -464,7 +451,7 @@ class Parser:
             return arguments[0]._replace(number=number, decimal=None)
         return Intermediate(self._finite(number), dimension=function.gives)
 
-    def _check_angle(self, written: str, argument: Intermediate) -> None:
+    def _refuse_bare_angle(self, written: str, argument: Intermediate) -> None:
         """Refuses a bare number whose unit a function of an angle would have to guess."""
         if argument.dimension is not None or argument.uses_pi or argument.number == 0:
             return

@@ -9,7 +9,7 @@ float and an ``xsd:double`` alike.
 from __future__ import annotations
 
 import math
-from itertools import repeat
+from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities.units import Dimension
@@ -63,7 +63,10 @@ def format_numbers(numbers: Iterable[float]) -> list[str]:
 def number_in(value: float, unit: Unit) -> str:
     """The text of an SI value in a unit: the shortest that reads back to the same double, where there is one."""
     if unit.degrees:
-        return _shortest(value, math.degrees(value), unit)
+        number = math.degrees(value)
+        rounded = (float(f"{number:.{digits}g}") for digits in (6, 9, 12, 14))
+        near = (number, math.nextafter(number, -math.inf), math.nextafter(number, math.inf))
+        return format_number(next((each for each in chain(rounded, near) if unit.si(each) == value), number))
     if unit.dimension is Dimension.ANGLE:
         return _multiple_of_pi(value) or format_number(value)
     from decimal import Decimal
@@ -81,16 +84,6 @@ def _multiple_of_pi(value: float) -> str | None:
             factor = "" if abs(times) == 1 else f"{abs(times)}*"
             return f"{'-' if times < 0 else ''}{factor}pi{f'/{part}' if part > 1 else ''}"
     return None
-
-
-def _shortest(value: float, number: float, unit: Unit) -> str:
-    """The text of a number of a unit with the fewest digits that is the SI value to the last bit."""
-    for digits in (6, 9, 12, 14):
-        rounded = float(f"{number:.{digits}g}")
-        if unit.si(rounded) == value:
-            return format_number(rounded)
-    near = (number, math.nextafter(number, -math.inf), math.nextafter(number, math.inf))
-    return format_number(next((candidate for candidate in near if unit.si(candidate) == value), number))
 
 
 def format_rows(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[list[bytes]]]:

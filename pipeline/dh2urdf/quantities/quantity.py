@@ -94,18 +94,13 @@ def is_zero(text: str) -> bool:
         return False
 
 
-def _is_part_of_pi(number: float) -> bool:
-    """Whether a number is a multiple of 15° in rad."""
-    parts = number / math.pi * 12
-    return parts != 0 and math.isfinite(parts) and abs(parts - round(parts)) < _AS_COMPUTED
-
-
 def _in_si(text: str, value: Intermediate, dimension: Dimension, unit: Unit | None) -> Quantity:
     number, fault = value.number, None
+    is_part_of_pi = value.uses_pi and number != 0 and abs(math.remainder(number, math.pi / 12)) < _AS_COMPUTED
     if value.dimension is not None:
         if not dimension.holds(value.dimension):
             fault = say("other-dimension", found=text, measures=value.dimension, needed=dimension)
-    elif dimension is Dimension.LENGTH and value.uses_pi and _is_part_of_pi(number):
+    elif dimension is Dimension.LENGTH and is_part_of_pi:
         fault = say("part-of-pi", found=text)
     elif unit is not None and unit.parts and value.uses_pi:
         si, declared = "rad" if dimension is Dimension.ANGLE else "rad/s", "degrees" if unit.degrees else unit.symbol

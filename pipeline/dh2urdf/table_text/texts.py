@@ -89,8 +89,13 @@ def transform_text(
         others: further entries of the mapping, as YAML by key.
     """
     body = {"mass": mass, "geometry": _geometry(geometry, length), **(others or {})}
-    xyz, rpy = transform.translation, _exact_rpy(transform)
-    if rpy is None:
+    xyz = transform.translation
+    shorter = (
+        (float(f"{roll:.{digits}g}"), float(f"{pitch:.{digits}g}"), float(f"{yaw:.{digits}g}"))
+        for digits, (roll, pitch, yaw) in product((9, 12, 17, 14, 15, 16), _same_rpy(transform.rpy))
+    )
+    rpy = next((angles for angles in shorter if RigidTransform.from_xyz_rpy(xyz, angles) == transform), None)
+    if rpy is None:  # No angles that were tried make the transform to the last bit.
         (r, _), last = transform, ["0", "0", "0", "1"]
         rows = [[*r[3 * row : 3 * row + 3], number_in(xyz[row], length)] for row in range(3)]
         return _flow({"matrix": [*rows, last], **body} if _flow(body) else [*rows, last])
@@ -109,15 +114,6 @@ def _flow(value: Any) -> str:  # noqa: ANN401 - mappings and lists of numbers an
     if isinstance(value, list):
         return f"[{', '.join(map(_flow, value))}]"
     return "" if value is None else value if isinstance(value, str) else format_number(value)
-
-
-def _exact_rpy(transform: RigidTransform) -> Vec3 | None:
-    """The angles that a transform is made of to the last bit; None where none are found."""
-    for digits, (roll, pitch, yaw) in product((9, 12, 17, 14, 15, 16), _same_rpy(transform.rpy)):
-        rpy = (float(f"{roll:.{digits}g}"), float(f"{pitch:.{digits}g}"), float(f"{yaw:.{digits}g}"))
-        if RigidTransform.from_xyz_rpy(transform.translation, rpy) == transform:
-            return rpy
-    return None
 
 
 def _same_rpy(rpy: Vec3) -> list[Vec3]:
@@ -155,7 +151,12 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, 
     texts = {"joint": row.joint, "type": str(row.type)}
     if link:
         texts["link"] = link
-    for field, value in _values(row).items():
+    values: dict[str, float | None] = {name: getattr(row, name) for name in NUMBERS}  # None: it says nothing
+    values |= {"offset": row.offset or None, "sign": None if row.sign == 1 else row.sign}
+    values |= {name: getattr(row.limits, name) for name in LIMITS}
+    values |= dict(zip(COM, row.com or (), strict=False))
+    values |= {name: getattr(row.inertia, name, None) for name in INERTIA}
+    for field, value in values.items():
         if value is not None:
             dimension = dimension_of(field, row.type)
             unit = dimension and unit_of(dimension, length, angle)
@@ -165,19 +166,6 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, 
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in LIMITS}
     return {field: texts[field] for field in FIELDS if field in texts}
-
-
-def _values(row: DHRow) -> dict[str, float | None]:
-    """The numbers of a row by field; None where it says nothing, or what is so anyhow."""
-    com, inertia, limits = row.com, row.inertia, row.limits
-    values: dict[str, float | None] = {name: getattr(row, name) for name in NUMBERS}
-    values |= {"offset": row.offset or None, "sign": None if row.sign == 1 else row.sign}
-    values |= {name: getattr(limits, name) for name in LIMITS}
-    if com is not None:
-        values |= dict(zip(COM, com, strict=True))
-    if inertia is not None:
-        values |= {name: getattr(inertia, name) for name in INERTIA}
-    return values
 
 
 def _geometry(geometry: LinkGeometry | None, length: Unit) -> dict[str, str | None]:

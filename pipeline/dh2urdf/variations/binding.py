@@ -25,10 +25,6 @@ LEAST_PROBABILITY = 1e-6
 def bind(call: VariationCall, nominal: Manipulator) -> Variation:
     """The variation of a table.
 
-    Args:
-        call: the variation as the run file asks for it.
-        nominal: the table.
-
     Raises:
         ConfigError: the table has no such joint or value, or the count is not possible; all are reported at once.
     """
@@ -46,7 +42,12 @@ class _Binder:
 
     def variation(self) -> Variation:
         """The variation; `bind` says what it raises."""
-        self.types = self._types()
+        # The types that the joint of each row may get.
+        self.types: list[tuple[JointType, ...]] = [(row.type,) for row in self.rows]
+        for rule in self.call.vary:
+            if rule.field == TYPE and isinstance(rule.law, Choices | Grid):
+                for index in self._indices(rule, quiet=True):
+                    self.types[index] = tuple(JointType(str(word)) for word in rule.law.values)
         factors: dict[str, Factor] = {}
         for rule in self.call.vary:
             for factor in self._factors(rule):
@@ -70,15 +71,6 @@ class _Binder:
         self.problems.append(say(code, mark or rule.mark, field=rule.field, **about))
 
     # --- Joints
-
-    def _types(self) -> list[tuple[JointType, ...]]:
-        """The types that the joint of each row may get."""
-        types: list[tuple[JointType, ...]] = [(row.type,) for row in self.rows]
-        for rule in self.call.vary:
-            if rule.field == TYPE and isinstance(rule.law, Choices | Grid):
-                for index in self._indices(rule, quiet=True):
-                    types[index] = tuple(JointType(str(word)) for word in rule.law.values)
-        return types
 
     def _indices(self, rule: Rule, *, quiet: bool = False) -> list[int]:
         """The rows of the joints that a rule names, as it names them."""

@@ -51,11 +51,7 @@ class Sampling(StrEnum):
 
 
 def require(sampling: Sampling) -> None:
-    """Make sure that a kind of sampling can be done here.
-
-    Raises:
-        MissingDependencyError: it needs a package that is not installed.
-    """
+    """Make sure that a kind of sampling can be done here; a MissingDependencyError says what is missing."""
     if sampling is Sampling.SOBOL:
         _sobol_engine(1)
 
@@ -63,17 +59,10 @@ def require(sampling: Sampling) -> None:
 def points(
     sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int
 ) -> NDArray[np.float64]:
-    """Points of a sample, by coordinate.
+    """Points of a sample of so many, by their indices from 0: an array of shape (dimensions, len(indices)).
 
-    Args:
-        sampling: how the points spread.
-        seed: which sample of all those of its kind.
-        count: how many points the sample has, up to `MOST_POINTS`.
-        indices: which of them, from 0.
-        dimensions: of the unit cube, up to `SOBOL_DIMENSIONS` for Sobol sequences.
-
-    Returns:
-        The coordinates, each above 0 and below 1: an array of shape (dimensions, len(indices)).
+    Each coordinate is above 0 and below 1. There are up to `MOST_POINTS` points, and for Sobol sequences up to
+    `SOBOL_DIMENSIONS` dimensions.
 
     Raises:
         MissingDependencyError: scipy is needed and not installed.
@@ -95,13 +84,7 @@ def points(
 
 
 def permuted(index: int, count: int, key: str) -> int:
-    """Where a permutation of `range(count)` has an index: a Feistel network, walked until it is back in the range.
-
-    Args:
-        index: from 0 to count - 1.
-        count: how many are permuted.
-        key: which permutation.
-    """
+    """Where a permutation of `range(count)` has an index: a Feistel network, walked until it is back in the range."""
     side = isqrt(count - 1) + 1  # side² is count or little more: few walks take more than one step
     keys = _round_keys(key)
     while True:
@@ -119,12 +102,6 @@ def regrouped(index: int, groups: int, count: int, seed: int) -> int:
     Each group has points that follow each other, which a Sobol sequence spreads evenly. It does not do so with every
     second or fourth point: they are all in one half or quarter of the first coordinate. Which points a group has is
     random, so that groups that are neighbours of each other are not neighbours in the sample.
-
-    Args:
-        index: from 0 to count - 1.
-        groups: how many there are.
-        count: how many points the sample has.
-        seed: which sample.
     """
     place, group = divmod(index, groups)
     size, larger = divmod(count, groups)  # so many groups have a point more
@@ -155,10 +132,6 @@ def _digest(text: str) -> bytes:
     return blake2b(text.encode(), person=b"dh2urdf").digest()
 
 
-def _in_unit(word: int) -> float:
-    return (word + 0.5) / 2.0**_BITS
-
-
 # --- Sobol sequences --------------------------------------------------------------------------------------------------
 
 
@@ -168,7 +141,7 @@ def _sobol(seed: int, count: int, index: int, dimensions: int) -> list[float]:
     for bit, directions in enumerate(_directions(dimensions, (count - 1).bit_length())):
         if gray >> bit & 1:
             words = [word ^ direction for word, direction in zip(words, directions, strict=True)]
-    return [_in_unit(word) for word in words]
+    return [(word + 0.5) / 2.0**_BITS for word in words]
 
 
 @lru_cache(maxsize=65536)

@@ -169,11 +169,7 @@ class Variation:
         yield from torn_links(self.nominal, after, f"the variation {shown(self.name)} changes", self.mark)
 
     def manipulator(self, number: int, drawn: Mapping[str, DrawnValue]) -> Manipulator:
-        """The table of one variant.
-
-        Args:
-            number: which one, from 1.
-            drawn: what is drawn for it.
+        """The table of one variant, counted from 1, for which this was drawn.
 
         Raises:
             ManipulatorError: no arm has these values.
@@ -255,16 +251,9 @@ def made_variants(
 def variant_columns(
     variation: Variation, names: Sequence[str], drawn: Sequence[dict[str, DrawnValue]]
 ) -> tuple[list[int], ManipulatorColumns] | None:
-    """The tables of variants that are arms beyond doubt, and which of them these are.
+    """The tables of variants that are arms beyond doubt, and the places of these variants.
 
-    Args:
-        variation: what they are variants of.
-        names: their names.
-        drawn: what was drawn for each.
-
-    Returns:
-        The places of the variants whose tables they are, and the tables; None where types or numbers of axes are drawn,
-        so that the tables differ in more than their numbers.
+    None where types or numbers of axes are drawn, so that the tables differ in more than their numbers.
     """
     import numpy as np
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache, reduce
+from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.columns import DYNAMICS
@@ -40,7 +40,7 @@ from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
 from dh2urdf_plugins.transforms.shapes import SMALLEST
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.rotations import Number
@@ -83,14 +83,17 @@ def half_travel(rows: Sequence[DHRow]) -> Number:
     A link is as long as `a`, or as `d` at joint value 0. ±1 m where all of an arm's links have the length 0.
     """
     lengths = [abs(row.d + row.offset) if row.type is JointType.PRISMATIC else abs(row.d) for row in rows]
-    return mapped(_half_rounded_down, reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)]))
+
+    def half(longest: float) -> float:
+        return _two_digits(0.5 * longest, math.floor, 1e-9) if SMALLEST < longest < math.inf else 1.0
+
+    return mapped(half, reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)]))
 
 
-def _half_rounded_down(longest: float) -> float:
-    if not SMALLEST < longest < math.inf:
-        return 1.0
-    exponent = math.floor(math.log10(0.5 * longest)) - 1
-    return _decimal(math.floor(0.5 * longest * 10.0**-exponent + 1e-9), exponent)
+def _two_digits(number: float, to_whole: Callable[[float], int], nearly: float) -> float:
+    """A number with two significant digits, through text: 57 times 10**-1 would be 5.7 only by luck."""
+    exponent = math.floor(math.log10(number)) - 1
+    return float(f"{to_whole(number * 10.0**-exponent + nearly)}e{exponent}")
 
 
 def travel(joint_type: JointType, limits: Limits) -> float:
@@ -99,20 +102,6 @@ def travel(joint_type: JointType, limits: Limits) -> float:
         return 0.0
     farthest: float = greater_of(abs(limits.lower), abs(limits.upper))
     return farthest
-
-
-def _default_effort(needed: float) -> float:
-    """What is needed [N·m or N], rounded up to two significant digits, and the least effort at least."""
-    if not LEAST_EFFORT < needed < math.inf:
-        return max(LEAST_EFFORT, needed)
-    exponent = math.floor(math.log10(needed)) - 1
-    return _decimal(math.ceil(needed * 10.0**-exponent - 1e-9), exponent)
-
-
-@cache
-def _decimal(digits: int, exponent: int) -> float:
-    """A whole number times a power of ten, through text: 57 times 10**-1 would be 5.7 only by luck."""
-    return float(f"{digits}e{exponent}")
 
 
 SAFETY = 2.0
@@ -165,18 +154,7 @@ def assemble(
     parameters: tuple[Parameter, ...],
     comment: str,
 ) -> Robot:
-    """The robot of a manipulator.
-
-    Args:
-        manipulator: the table.
-        base: its foot.
-        parts: one per row, from the base outwards.
-        flange: the flange in the frame of the last link that has a body.
-        tool0: the tool's frame there.
-        options: what holds where the table says nothing.
-        parameters: the numbers that formulas use.
-        comment: one line for a reader of the file.
-    """
+    """The robot of a manipulator, of a part for each row; flange and tool0 are on the last link that has a body."""
     density = manipulator.density or options.density
     seen = options.visuals == "all" if manipulator.visuals is None else manipulator.visuals
     touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
@@ -241,12 +219,7 @@ def fixed_joint(parent: str, child: str, origin: Origin) -> Joint:
 
 
 def shape_body(visuals: Sequence[Visual], density: float, joint: str | None = None) -> Inertial:
-    """The mass properties of what is seen, if it were solid and of one density [kg/m³].
-
-    Args:
-        visuals: what is seen of a link.
-        density: its density [kg/m³].
-        joint: the joint that moves the link, for messages; None for the base.
+    """The mass properties of what is seen of a link, if it were solid and of one density [kg/m³].
 
     Raises:
         TransformError: the shapes are so small that their mass is 0, to the last digit that a double has.
@@ -320,6 +293,10 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
     j along the joints in between; a prismatic one bears at most the weight g·Σ m_j. From the tip inwards both sums take
     one step per link.
     """
+
+    def rounded_up(needed: float) -> float:
+        return _two_digits(needed, math.ceil, -1e-9) if LEAST_EFFORT < needed < math.inf else max(LEAST_EFFORT, needed)
+
     efforts = []
     weight = moment = 0.0  # of all links further out, moment about the joint that carries them
     for part, body in zip(reversed(parts), reversed(bodies), strict=True):
@@ -332,5 +309,5 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        efforts.append(mapped(_default_effort, SAFETY * GRAVITY * load))
+        efforts.append(mapped(rounded_up, SAFETY * GRAVITY * load))
     return efforts[::-1]

@@ -65,7 +65,15 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
     problems += _geometry_problems("geometry", manipulator.geometry)
     problems += _geometry_problems("base.geometry", manipulator.base_geometry)
     for row in manipulator.rows:
-        problems += _row_problems(row)
+        if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
+            there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
+            field = f"limits.{missing}"
+            problems.append(row_problem(row, "limit-alone", field=field, there=there, missing=missing))
+        for name in ("mass", "radius"):
+            if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
+                problems.append(row_problem(row, "not-above-0", field=name, found=value, what=name))
+        tensor = _tensor_problems("inertia", row.inertia)
+        problems += [replace(each, joint=row.joint, mark=row.mark) for each in tensor]
     return problems
 
 
@@ -85,16 +93,6 @@ def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
         near = did_you_mean(shape, SHAPES)
         yield say("shape-unknown", field=f"{name}.shape", found=shape, shapes=tuple(SHAPES), suggestion=near)
     yield from _positive(f"{name}.radius", geometry.radius)
-
-
-def _row_problems(row: DHRow) -> Iterator[Problem]:
-    if row.type is not JointType.FIXED and (row.limits.lower is None) is not (row.limits.upper is None):
-        there, missing = ("upper", "lower") if row.limits.lower is None else ("lower", "upper")
-        yield row_problem(row, "limit-alone", field=f"limits.{missing}", there=there, missing=missing)
-    for name in ("mass", "radius"):
-        if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
-            yield row_problem(row, "not-above-0", field=name, found=value, what=name)
-    yield from (replace(each, joint=row.joint, mark=row.mark) for each in _tensor_problems("inertia", row.inertia))
 
 
 def with_inertias(manipulator: Manipulator, how: Inertias, floor: float | None) -> tuple[Manipulator, list[Problem]]:

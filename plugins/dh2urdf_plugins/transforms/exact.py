@@ -176,14 +176,8 @@ def _part(
 def _arm_visuals(row: DHRow, frame: LinkFrame, style: Style, tube: Style, *, is_first: bool) -> tuple[Visual, ...]:
     """The bodies of a link of the shape ``arm``: tubes, a ball where two of them meet, and the housing of its joint.
 
-    A fixed row is no joint: it has a housing only where it has no tube.
-
-    Args:
-        row: the row of the link.
-        frame: where the link is.
-        style: how it is drawn.
-        tube: how its tubes are drawn.
-        is_first: whether the base carries it: its housing stands on the base, and not through it.
+    A fixed row is no joint: it has a housing only where it has no tube. The first one stands on the base, and not
+    through it.
     """
     prismatic = row.type is JointType.PRISMATIC
     seen = visuals([frame.normal] if prismatic else [frame.offset, frame.normal], tube)

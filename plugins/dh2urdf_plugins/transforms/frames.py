@@ -29,9 +29,9 @@ from dh2urdf.rotations import (
     multiply,
     rotate,
     rotation_from_rpy,
+    rotation_x,
+    rotation_z,
     rpy_from_rotation,
-    turned_about_x,
-    turned_about_z,
     x_axis_of,
     z_axis_of,
 )
@@ -123,15 +123,15 @@ def aligned_frames(manipulator: Manipulator, symbol: Symbol) -> Frames:
         twist = exact_cos_sin(row.alpha)
         if modified:
             here = plus(here, times(a, constants(x_axis_of(R))))
-            R = turned_about_x(R, *twist)
+            R = multiply(R, rotation_x(*twist))
         joint, z = here, z_axis_of(R)
-        R = turned_about_z(R, *exact_cos_sin(joint_variables(row)[0]))
+        R = multiply(R, rotation_z(*exact_cos_sin(joint_variables(row)[0])))
         rail = _line(joint, z)
         corner = times(delta, rail.along)
         normal_line = _line(corner, x_axis_of(R))
         end = plus(corner, times(normal, normal_line.along))
         here = corner if modified else end
-        R = R if modified else turned_about_x(R, *twist)
+        R = R if modified else multiply(R, rotation_x(*twist))
         links.append(
             LinkFrame(
                 joint=Pose(joint, NO_VECTOR),

@@ -39,23 +39,20 @@ _OTHER_FILES = {".obj": re.compile(rb"^\s*mtllib\s", re.MULTILINE), ".dae": re.c
 def mesh_visual(shape: MeshShape, dh_frame: RigidTransform, material: Material) -> Visual:
     """A mesh as it is seen; COLLADA files have colours of their own."""
     colour = None if Path(shape.file.path).suffix.lower() == ".dae" else material
-    return Visual(geometry=_geometry(shape), origin=_origin(shape, dh_frame), material=colour)
+    return Visual(**_placed(shape, dh_frame), material=colour)
 
 
 def mesh_collision(shape: MeshShape, dh_frame: RigidTransform) -> Collision:
     """A mesh as it touches."""
-    return Collision(geometry=_geometry(shape), origin=_origin(shape, dh_frame))
+    return Collision(**_placed(shape, dh_frame))
 
 
-def _geometry(shape: MeshShape) -> Mesh:
-    return Mesh(filename=file_address(shape.file.path), scale=shape.scale, file=shape.file)
-
-
-def _origin(shape: MeshShape, dh_frame: RigidTransform) -> Origin:
-    """The frame of a mesh in the link's frame; numbers, also where the link follows parameters."""
+def _placed(shape: MeshShape, dh_frame: RigidTransform) -> dict[str, Any]:
+    """A mesh, and its origin in the link's frame: numbers, also where the link follows parameters."""
     frame = dh_frame @ shape.pose
     x, y, z = frame.translation
-    return Origin(xyz=(x + 0.0, y + 0.0, z + 0.0), rpy=frame.rpy)
+    mesh = Mesh(filename=file_address(shape.file.path), scale=shape.scale, file=shape.file)
+    return {"geometry": mesh, "origin": Origin(xyz=(x + 0.0, y + 0.0, z + 0.0), rpy=frame.rpy)}
 
 
 # --- Masses -----------------------------------------------------------------------------------------------------------
@@ -146,11 +143,7 @@ def _missing(package: str, error: ImportError) -> MissingDependencyError:
 
 
 def mesh_problems(manipulator: Manipulator) -> list[Problem]:
-    """What is wrong with the meshes of a table, and what a careful person would want to know of them.
-
-    Raises:
-        MissingDependencyError: a package that is needed for masses is not installed.
-    """
+    """What is wrong with the meshes of a table, and what a careful person would want to know of them."""
     problems: list[Problem] = []
     for row in (None, *manipulator.rows):
         of = "base." if row is None else ""

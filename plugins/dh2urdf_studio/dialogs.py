@@ -1,34 +1,31 @@
-"""What the studio asks and hands over: opening, pasting, converting, files, links and pictures, and what went wrong."""
+"""What the studio asks and hands over: opening, pasting, converting, files and links, and what went wrong."""
 
 from __future__ import annotations
 
 import json
 import traceback
 from contextlib import contextmanager
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ElementFilter, run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import Convention
-from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import words
-from dh2urdf_studio.drawing import exports
 from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
-from dh2urdf_studio.editing.save import Saved, saved
+from dh2urdf_studio.editing.save import saved
 from dh2urdf_studio.page_data import PAGE
-from dh2urdf_studio.widgets import ANSWERED, lay_menu_item, row_of
+from dh2urdf_studio.widgets import ANSWERED, row_of
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
+    from dh2urdf_studio.editing.save import Saved
     from dh2urdf_studio.editing.session import Session
-    from dh2urdf_studio.widgets import ArmView, ShownScene
 
 LARGEST_FILE = 64 * 2**20
 """Size of a file that may be opened [B]."""
@@ -282,49 +279,7 @@ def hand_over(file: Saved) -> None:
     ui.notify(told, type="positive" if proof is None or proof.holds else "warning", multi_line=True, timeout=9000)
 
 
-# --- Taking along: links, pictures, a turntable, glTF -----------------------------------------------------------------
-
-
-def lay_scene_items(view: Callable[[], ArmView], scene: Callable[[], ShownScene]) -> None:
-    """Lay out the entries of a menu that take the scene along; `scene` gives what is shown of it now."""
-
-    def save_picture(*, transparent: bool) -> None:
-        view().save_picture(scene()[0], transparent=transparent)
-
-    lay_menu_item("Picture (PNG)", partial(save_picture, transparent=False))
-    lay_menu_item("Picture with a transparent ground", partial(save_picture, transparent=True))
-    lay_menu_item("Turntable (GIF)", lambda: _hand_over_made("turntable", _turntable(view(), scene()[0])))
-    lay_menu_item("Scene as glTF (GLB)", lambda: _hand_over_made("scene", _scene_file(scene())))
-
-
-async def _turntable(view: ArmView, name: str) -> Saved | None:
-    """A turn about the arm: the page draws the frames, and what they are made into is made here."""
-    note = ui.notification("turntable", spinner=True, timeout=None)
-    try:
-        frames = []
-        async for frame in view.turn(exports.FRAMES, exports.LARGEST):
-            frames.append(frame)
-            note.message = f"turntable: frame {len(frames)} of {exports.FRAMES}"
-        made = await run.io_bound(exports.gif, frames)
-    finally:
-        note.dismiss()
-    return made and Saved(f"{safe_stem(name or 'arm')}.gif", made)
-
-
-async def _scene_file(scene: ShownScene) -> Saved | None:
-    """The robots as they are shown, in the pose on the screen."""
-    name, drawing, q, layers = scene
-    made = await run.io_bound(exports.glb, drawing, q, layers, name or "arm")
-    return made and Saved(f"{safe_stem(name or 'arm')}.glb", made)
-
-
-async def _hand_over_made(what: str, making: Awaitable[Saved | None]) -> None:
-    """Hand over what is made, which is None while the server ends; or say what keeps it from being made."""
-    try:
-        if (made := await making) is not None:
-            hand_over(made)
-    except Dh2UrdfError as error:
-        await show_error(f"The {what} cannot be made", error)
+# --- Links ------------------------------------------------------------------------------------------------------------
 
 
 async def show_link(table: TableText) -> None:

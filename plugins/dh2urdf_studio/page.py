@@ -11,8 +11,6 @@ from nicegui import ui
 from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS, TableText
 from dh2urdf_studio import dialogs, words
-from dh2urdf_studio.bars import lay_files, lay_layers, lay_look, lay_opacity, lay_tools
-from dh2urdf_studio.drawing.scene import faded
 from dh2urdf_studio.editing import edits, opening
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
@@ -21,6 +19,7 @@ from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
 from dh2urdf_studio.panels.target import TargetPanel
+from dh2urdf_studio.scene_page import ScenePage, lay_files, lay_look
 from dh2urdf_studio.table_grid import TableGrid
 from dh2urdf_studio.widgets import (
     ANSWERED,
@@ -37,25 +36,24 @@ from dh2urdf_studio.widgets import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf_studio.drawing.mesh_files import MeshStore
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
-    from dh2urdf_studio.widgets import ShownScene
 
 MOST_PROBLEMS = 30
 """Problems that are spelled out; all wrong cells are marked."""
 
 
-class StudioPage:
+class StudioPage(ScenePage):
     """What a tab shows of its session."""
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
         """Lays the page out; `show` fills it."""
+        super().__init__(session)
         self.session, self._number = session, session.history.number
         self._filling = False  # while the bar is filled in, nobody chooses anything there
-        ui.on_exception(dialogs.show_fault)
         ui.on("dh-undo", lambda event: self._do(session.redo if event.args else session.undo))
         with ui.element("div").classes("studio") as page:
             self._choose_file = lay_files(page, session.catalog, self._show_opened)
@@ -75,11 +73,11 @@ class StudioPage:
                     act=self._act,
                     axes=self._resize,
                 )
-                self._target = TargetPanel(session, self._show_pose, self._show_handle)
+                self._target = TargetPanel(session, self._show_pose, self._tell)
                 self._panels = (
                     self._target,
                     PosesPanel(session, self._show_pose),
-                    MeasuringPanel(session, self._show_pose, self._show_cloud),
+                    MeasuringPanel(session, self._show_pose, self._tell),
                     LessonPanel(session, self._show_pose),
                     ComparingPanel(session, self._show_arm, meshes, self._put),
                 )
@@ -112,18 +110,13 @@ class StudioPage:
         with ui.button("Save", icon="save").props(QUIET), Menu(items=True):
             for kind, name, told in savings(session.catalog):
                 lay_menu_item(told, partial(dialogs.make, session, kind, name))
-            dialogs.lay_scene_items(lambda: self._view, self._shown)
+            self._lay_scene_items()
             lay_menu_item("Link with this table", lambda: dialogs.show_link(session.table))
         lay_look()
         generate = ui.button("Generate", icon="precision_manufacturing")
         generate.props("unelevated dense no-caps").classes("studio-generate").tooltip("the URDF (Ctrl+Enter)")
         usual, failed = session.catalog.usual("emitter").name, "The URDF cannot be generated yet"
         act_once(generate, partial(dialogs.make, session, "robot", usual, failed))
-
-    def _shown(self) -> ShownScene:
-        """What is on the screen now."""
-        session = self.session
-        return session.table.name, faded(session.drawing, session.opacities), session.joint_values(), session.layers
 
     def _lay_bar(self) -> None:
         """The bar above the cells: axes, convention, units and rows."""
@@ -163,17 +156,17 @@ class StudioPage:
         """What is shown, which variant of the arm, from where, the buttons of the panels, and the arm."""
         session, names = self.session, self.session.variants
         with ui.element("div").classes("studio-bar"):
-            lay_layers(session.layers, self._choose_layers)
+            self._lay_layers()
             if len(names) > 1:
                 variants = {name: name for name in names} | {BOTH: "side by side"}
                 toggle(variants, "variant", self._choose_variant, session.variant)
-            with lay_tools(lambda: self._view, "see all of the arm"):
-                lay_opacity({"": "the arm"}, session.opacities, self._fade)
+            with self._lay_tools("see all of the arm"):
+                self._lay_opacity({"": "the arm"})
                 for panel in self._panels:
                     icon_button(panel.ICON, panel.TITLE, panel.switch)
         self._remark = ui.label().classes("studio-bar studio-remark")
         with ui.element("div").classes("studio-stage"):
-            self._view = ArmView(on_aim=self._target.drag, on_grip=self._drag, on_undrawn=dialogs.Warnings().add)
+            self._scene = ArmView(dialogs.Warnings().add, self._drag, on_aim=self._target.drag)
             with ui.element("div").classes("studio-empty") as self._empty, ui.element("div"):
                 ui.html(PAGE["empty"]["scene"], sanitize=False)
 
@@ -181,7 +174,7 @@ class StudioPage:
 
     def show(self) -> None:
         """Shows all of the session."""
-        if self._view.is_deleted:  # The tab was closed during a dialog.
+        if self._scene.is_deleted:  # The tab was closed during a dialog.
             return
         if self._number != (number := self.session.history.number):
             self._number = number
@@ -240,19 +233,9 @@ class StudioPage:
                             ui.button(unit, on_click=act).props('unelevated dense no-caps padding="2px 10px"')
 
     def _show_arm(self) -> None:
-        session = self.session
-        self._view.show(session.drawing, session.drawing.poses(session.joint_values()), session.strokes())
-        self._view.run_method("highlight", session.drawn_row)
-        self._table.draw(session.arm.keys if session.arm else ())
-        self._sliders.show(session.sliders, session.q)
-        self._show_numbers()
-
-    def _show_pose(self) -> None:
-        session = self.session
-        self._view.set_layers(session.shown_layers)
-        self._view.pose(session.drawing.poses(session.joint_values()), session.strokes())
-        self._sliders.answer(session.q)
-        self._show_numbers()
+        super()._show_arm()
+        self._tell("highlight", self.session.drawn_row)
+        self._table.draw(self.session.arm.keys if self.session.arm else ())
 
     def _show_numbers(self) -> None:
         session = self.session
@@ -399,53 +382,29 @@ class StudioPage:
             self.show()
             if remarks := words.remarks(opened):
                 dialogs.warn("\n".join(remarks))
-            self._view.run_method("fit", keep_view)
+            self._tell("fit", keep_view)
 
     # --- What is done to the arm --------------------------------------------------------------------------------------
 
     def _pick(self, key: str | None) -> None:
         self.session.picked = key
-        self._view.run_method("highlight", self.session.drawn_row)
+        self._tell("highlight", self.session.drawn_row)
         if self.session.lesson is not None:
             self._show_pose()
-
-    def _choose_layers(self, layers: frozenset[str]) -> None:
-        self.session.layers = layers
-        self._show_pose()
 
     def _choose_variant(self, event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         self.session.show_variant(event.value)
         self._show_arm()
-        self._view.run_method("fit", False)
-
-    def _fade(self, _: str, opacity: float) -> None:
-        """Both variants are the arm; a description that is compared with it is not."""
-        self.session.opacities = {"": opacity, f"{self.session.variants[-1]}/": opacity}
-        self._view.run_method("fade", self.session.opacities)
-
-    def _show_handle(self, shown: bool) -> None:  # noqa: FBT001 - of the panel
-        self._view.run_method("showHandle", shown)
-
-    def _show_cloud(self, points: Any) -> None:  # noqa: ANN401 - an array of shape (n, 3)
-        self._view.show_cloud(points)
-
-    def _drag(self, node: str, by: float, *, begins: bool) -> None:
-        self.session.drag(node, by, begins=begins)
-        self._show_pose()
-
-    def _moved(self, values: Mapping[str, float]) -> None:
-        self.session.move(values)
-        self._show_pose()
+        self._tell("fit", False)
 
     async def start(self) -> None:
         """Shows the session for the first time."""
         is_new = not self.session.history.can_undo  # before the answer, in whose time a person may begin a table
         text, left = await ui.run_javascript("return [dhPage.kept(), dhPage.unfinished()]", timeout=ANSWERED)
         self.session.finish_typing(left, kept := edits.kept_table(text), is_new=is_new)
-        self._view.set_layers(self.session.shown_layers)
-        self._view.run_method("fade", self.session.opacities)
+        self._tell("fade", self.session.opacities)
         self.show()
-        self._view.run_method("fit", True)  # a person may have turned the camera already
+        self._tell("fit", True)  # a person may have turned the camera already
         if (linked := await dialogs.linked_table()) is not None:
             await self._show_opened(opening.Opened(linked), keep_view=True)
             return

@@ -11,42 +11,40 @@ from nicegui.element import Element
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
-from dh2urdf_studio import dialogs, viewing, words
-from dh2urdf_studio.bars import lay_layers, lay_look, lay_opacity, lay_tools
-from dh2urdf_studio.drawing.scene import faded, from_root
+from dh2urdf_studio import dialogs, words
+from dh2urdf_studio.drawing.scene import from_root
 from dh2urdf_studio.live_joints import PageFollower
+from dh2urdf_studio.scene_page import ScenePage, lay_look
 from dh2urdf_studio.widgets import QUIET, ArmView, JointSliders, Menu, section, toggle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Geometry, Joint, Link, Origin
     from dh2urdf_studio.drawing.parts import Colour
     from dh2urdf_studio.drawing.scene import Figure
-    from dh2urdf_studio.drawing.strokes import Stroke
     from dh2urdf_studio.live_joints import LiveJoints
     from dh2urdf_studio.viewing import View
-    from dh2urdf_studio.widgets import ShownScene
 
 MOST_TIPS = 12
 """Ends of arms whose poses are shown."""
 _POWERS = ("", "²", "³", "⁴")
 
 
-class ViewPage:
+class ViewPage(ScenePage):
     """What a tab shows of its view."""
 
     def __init__(self, view: View, live: LiveJoints) -> None:
         """Lays the page out; `start` fills it."""
+        super().__init__(view, on_person=lambda: live.note(view))
         self.view, self._live = view, live
-        ui.on_exception(dialogs.show_fault)
         with ui.element("div").classes("studio view"):
             with ui.element("header").classes("studio-head"):
                 ui.html("<b>dh2urdf</b> view", sanitize=False, tag="h1").classes("studio-title")
-                ui.label(viewing.told(view.figures))
+                ui.label(view.told)
                 ui.element("div").classes("studio-space")
                 with ui.button("Save", icon="save").props(QUIET), Menu(items=True):
-                    dialogs.lay_scene_items(lambda: self._scene, self._shown)
+                    self._lay_scene_items()
                 lay_look()
             with section("studio-motion", "Joints"):
                 self._sliders = JointSliders(on_values=self._moved)
@@ -57,17 +55,11 @@ class ViewPage:
             with section("studio-scene", "Scene"):
                 self._lay_scene()
 
-    def _shown(self) -> ShownScene:
-        """What is on the screen now."""
-        view = self.view
-        name = viewing.told(view.figures).replace(", ", "-")
-        return name, faded(view.drawing, view.opacities, view.hidden), view.q, view.layers
-
     def _lay_scene(self) -> None:
         view = self.view
         with ui.element("div").classes("studio-bar"):
             tables = any(figure.manipulator for figure in view.figures)
-            lay_layers(view.layers, self._choose_layers, left_out=() if tables else ("parameters",))
+            self._lay_layers(left_out=() if tables else ("parameters",))
             if len(view.figures) > 1:
                 places = {True: "side by side", False: "at one place"}
                 toggle(places, "place", lambda event: self._place(apart=bool(event.value)), view.apart)
@@ -75,57 +67,35 @@ class ViewPage:
                 ways = {True: "meshes as in ROS", False: "as their files say"}
                 up = toggle(ways, "meshes", lambda event: self._place(as_in_ros=bool(event.value)), view.as_in_ros)
                 up.tooltip("COLLADA files name the axis that points up. RViz and MoveIt take z, whatever they name.")
-            with lay_tools(lambda: self._scene, "see all"):
+            with self._lay_tools("see all"):
                 titles = {figure.name: figure.title or figure.robot.name for figure in view.figures}
-                lay_opacity(titles, view.opacities, self._fade, view.plain, lambda colour: self._place(plain=colour))
-        if unseen := view.drawing.unseen:
-            told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
-            _remark(f"{told}: {words.some_of(unseen)}", unseen)
-        if left_out := [notice.message for figure in view.figures for notice in figure.notices]:
-            _remark(words.some_of(left_out), left_out)
-        self._scene = ArmView(on_undrawn=dialogs.Warnings().add, on_pick_node=self._picked_in_scene, on_grip=self._drag)
+                self._lay_opacity(titles, view.plain, lambda colour: self._place(plain=colour))
+        unseen, left_out = view.drawing.unseen, [each.message for figure in view.figures for each in figure.notices]
+        for text, lines in ((words.unseen(unseen), unseen), (words.some_of(left_out), left_out)):
+            if lines:
+                ui.label(text).classes("studio-bar studio-remark").tooltip("\n".join(lines[:50]))
+        self._scene = ArmView(dialogs.Warnings().add, self._drag, on_pick_node=self._picked_in_scene)
 
     def _picked_in_scene(self, node: str | None) -> None:
         self._pick(node)
-        self._tree.pick(node)
+        self._tree.run_method("choose", node)
 
     def _pick(self, node: str | None) -> None:
-        self._scene.run_method("highlight", None, node)
+        self._tell("highlight", None, node)
 
     def _hide(self, nodes: frozenset[str]) -> None:
         self.view.hidden = nodes
-        self._scene.run_method("hide", sorted(nodes))
-
-    def _fade(self, robot: str, opacity: float) -> None:
-        self.view.opacities[robot] = opacity
-        self._scene.run_method("fade", self.view.opacities)
+        self._tell("hide", sorted(nodes))
 
     async def start(self) -> None:
         """Shows the view for the first time."""
         view = self.view
-        self._scene.set_layers(view.layers)
         self._tree.show(view.figures, view.hidden)
-        self._scene.run_method("hide", sorted(view.hidden))
-        self._scene.run_method("fade", view.opacities)
-        self._show()
-        self._scene.run_method("fit", False)
+        self._tell("hide", sorted(view.hidden))
+        self._tell("fade", view.opacities)
+        self._show_arm()
+        self._tell("fit", False)
         PageFollower(self._live, self._scene, self._show_pose)
-
-    def _show(self) -> None:
-        view = self.view
-        self._scene.show(view.drawing, view.drawing.poses(view.q), self._strokes())
-        self._sliders.show(view.sliders, view.q)
-        self._show_numbers()
-
-    def _show_pose(self) -> None:
-        self._scene.pose(self.view.drawing.poses(self.view.q), self._strokes())
-        self._sliders.answer(self.view.q)
-        self._show_numbers()
-
-    def _strokes(self) -> Sequence[Stroke]:
-        drawing, q, layers = self.view.drawing, self.view.q, self.view.layers
-        parameters = drawing.strokes(q) if "parameters" in layers else ()
-        return (*parameters, *(drawing.normals(q) if "normals" in layers else ()))
 
     def _show_numbers(self) -> None:
         lines = []
@@ -135,26 +105,11 @@ class ViewPage:
             lines.append(f"<div><b>{escape(name)}</b><br>xyz {xyz} m<br>rpy {rpy} °</div>")
         self._numbers.set_content("".join(lines))
 
-    def _choose_layers(self, layers: frozenset[str]) -> None:
-        self.view.layers = layers
-        self._scene.set_layers(layers)
-        self._show_pose()
-
     def _place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
         self.view.place(apart=apart, as_in_ros=as_in_ros, plain=plain)
-        self._show()
+        self._show_arm()
         if apart is not None:
-            self._scene.run_method("fit", False)
-
-    def _drag(self, node: str, by: float, *, begins: bool) -> None:
-        self.view.drag(node, by, begins=begins)
-        self._live.note(self.view)
-        self._show_pose()
-
-    def _moved(self, values: Mapping[str, float]) -> None:
-        self.view.move(values)
-        self._live.note(self.view)
-        self._show_pose()
+            self._tell("fit", False)
 
 
 def _fold(told: str) -> ui.element:
@@ -162,11 +117,6 @@ def _fold(told: str) -> ui.element:
     with ui.element("details").classes("studio-fold").props("open") as fold, ui.element("summary"):
         ui.label(told)
     return fold
-
-
-def _remark(text: str, lines: Sequence[str]) -> None:
-    """A text below the bar, and the lines that it is the short form of."""
-    ui.label(text).classes("studio-bar studio-remark").tooltip("\n".join(lines[:50]))
 
 
 class RobotTree(Element, component="robot_tree.js"):  # type: ignore[call-arg]  # Element is any type to mypy
@@ -183,10 +133,6 @@ class RobotTree(Element, component="robot_tree.js"):  # type: ignore[call-arg]  
         robots = [contents(figure) for figure in figures]
         self._nodes = frozenset(link["node"] for robot in robots for link in robot["links"])
         self.run_method("show", robots, sorted(hidden))
-
-    def pick(self, node: str | None) -> None:
-        """Let a link stand out, and bring it in sight."""
-        self.run_method("choose", node)
 
 
 def contents(figure: Figure) -> dict[str, Any]:

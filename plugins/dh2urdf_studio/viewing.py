@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain, count
 from typing import TYPE_CHECKING
 
 from dh2urdf.cells.cell import Cell
@@ -26,6 +27,7 @@ from dh2urdf.tasks.batch import Expected, items
 from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import Drawing, Figure, extent, meshes_of
+from dh2urdf_studio.tab import Tab
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -61,18 +63,20 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
             notices += error.notices
     if problems:
         raise InputError(problems, notices)
-    if expansion not in (None, Expansion()) and not any(_holds_macros(path, catalog) for path in paths):
-        raise InputError(say("files-without-macros", Mark(file=str(paths[0]))))
+    if expansion not in (None, Expansion()):
+        readers = (item.stage for item in catalog.provided("emitter") if has_macros(item.stage))
+        suffixes = tuple(suffix for each in readers for suffix in getattr(each, "suffixes", ()))
+        if not any(path.name.lower().endswith(suffixes) for path in paths):
+            raise InputError(say("files-without-macros", Mark(file=str(paths[0]))))
     if len(found) > MOST_FIGURES:
         raise InputError(say("too-many-robots", count=len(found), most=MOST_FIGURES))
     if len(found) == 1:
         return (replace(found[0], name="", title=""),)
-    return tuple(_with_own_names(found))
-
-
-def _holds_macros(path: Path, catalog: Catalog) -> bool:
-    emitters = [item.stage for item in catalog.provided("emitter") if has_macros(item.stage)]
-    return path.name.lower().endswith(tuple(suffix for each in emitters for suffix in getattr(each, "suffixes", ())))
+    names = list[str]()  # one for each: no two nodes are called alike
+    for figure in found:
+        numbered = (f"{figure.title} {number}" for number in count(2))
+        names.append(next(name for name in chain([figure.title], numbered) if name not in names))
+    return tuple(replace(figure, name=f"{name}/", title=name) for figure, name in zip(found, names, strict=True))
 
 
 def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Iterator[Figure]:
@@ -133,47 +137,29 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
     transform, edits = plan.recipe.transform, plan.recipe.edits
     every = (what for item in items(plan, Expected(plan)) for what in item.each)
     shown_only = (what for what in every if isinstance(what, Cell | Rejected) or not plan.cells)
-    for count, what in enumerate(shown_only):
+    for number, what in enumerate(shown_only):
         if isinstance(what, Rejected):
             raise InputError(what.problems, what.notices)
-        if count == MOST_FIGURES:
+        if number == MOST_FIGURES:
             raise InputError(say("too-many-robots", count=f"more than {MOST_FIGURES}", most=MOST_FIGURES))
         robot, _ = make_item(what, transform, edits)
         yield Figure(robot=robot, manipulator=None if isinstance(what, Cell) else what, title=robot.name)
 
 
-def _with_own_names(figures: Sequence[Figure]) -> Iterator[Figure]:
-    """Figures with a name each, so that no two nodes are called alike."""
-    taken: set[str] = set()
-    for figure in figures:
-        name, number = figure.title, 1
-        while name in taken:
-            number += 1
-            name = f"{figure.title} {number}"
-        taken.add(name)
-        yield replace(figure, name=f"{name}/", title=name)
-
-
-class View:
+class View(Tab):
     """What a tab of `dh2urdf view` shows.
 
     Attributes:
         figures: the robots.
-        layers: what is shown.
         apart: whether the robots stand side by side, or all at one place.
         as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
         plain: the colour of links that have none.
-        sliders: the joints of all robots.
-        followers: the joints that follow others, by name: they have no slider.
-        q: the values of all joints by name [rad or m].
-        drawing: the robots, as they are drawn.
-        hidden: the links that are not shown, by the names of their nodes.
-        opacities: how opaque robots are, by their names, where a person has changed it.
+        followers: the joints that follow others, by name: they have no slider, and values in `q`.
     """
 
     def __init__(self, figures: Sequence[Figure]) -> None:
+        super().__init__("links", "axes", "outlines")
         self.figures = tuple(figures)
-        self.layers: frozenset[str] = frozenset(("links", "axes", "outlines"))
         self.apart, self.as_in_ros, self.plain = True, True, GREY
         self.followers = {
             figure.name + name: follower._replace(leader=figure.name + follower.leader)
@@ -185,17 +171,20 @@ class View:
             named = [replace(joint, name=figure.name + joint.name) for joint in figure.robot.moving_joints]
             found += joints.sliders(named, angle_unit="deg", group=figure.title)
         self.sliders = tuple(slider for slider in found if slider.name not in self.followers)
-        self.q = self._followed(joints.kept({}, self.sliders))
-        self.drawing = Drawing()
-        self.hidden: frozenset[str] = frozenset()
-        self.opacities: dict[str, float] = {}
-        self._grasped = 0.0  # the value of the joint when a person took hold of a link
+        self.move({})
         self.place()
         if self.drawing.meshes:  # which joint axes would only lie on
             self.layers -= {"axes"}
 
-    def _followed(self, values: Mapping[str, float]) -> dict[str, float]:
-        return with_followers(values, self.followers)
+    @property
+    def told(self) -> str:
+        """The robots in a line."""
+        return listed([shown(figure.title or figure.robot.name)[1:-1] for figure in self.figures], TOLD_NAMES)
+
+    @property
+    def name(self) -> str:
+        """The robots, as a file may be called."""
+        return self.told.replace(", ", "-")
 
     def place(self, *, apart: bool | None = None, as_in_ros: bool | None = None, plain: Colour | None = None) -> None:
         """Puts the robots side by side or all at one place, their meshes as ROS or as their files have them."""
@@ -227,13 +216,8 @@ class View:
 
     def move(self, values: Mapping[str, float]) -> None:
         """Joint values by name [rad or m]; they are kept inside the limits, and followers follow."""
-        self.q = self._followed(joints.kept({**self.q, **values}, self.sliders))
-
-    def drag(self, node: str, by: float, *, begins: bool) -> None:
-        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
-        if (grip := self.drawing.grips.get(node)) is not None:
-            self._grasped = self.q[grip.joint] if begins else self._grasped
-            self.move({grip.joint: grip.value(self._grasped, by)})
+        super().move(values)
+        self.q = with_followers(self.q, self.followers)
 
     def tips(self) -> Iterator[tuple[str, RigidTransform]]:
         """The ends of the arms with their poses in the robots: links called tool0, or else those without a child."""
@@ -245,9 +229,3 @@ class View:
             tools = [name for name in links if name.endswith(TOOL)]
             for name in tools or [name for name in links if name not in holding]:
                 yield figure.name + name, poses.get(name, IDENTITY)
-
-
-def told(figures: Sequence[Figure]) -> str:
-    """The robots in a line."""
-    names = [shown(figure.title or figure.robot.name)[1:-1] for figure in figures]
-    return listed(names, TOLD_NAMES)

@@ -6,31 +6,22 @@ import contextlib
 import inspect
 import math
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 from nicegui.element import Element
 from nicegui.elements import scene as _scene  # noqa: F401 - it makes three.js known to the page as nicegui-scene
 
-from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities.units import QuantityError
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.scene import poses_as_json
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Collection, Iterable, Mapping, Sequence
+    from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from dh2urdf.rotations import RigidTransform
-    from dh2urdf_studio.drawing.scene import Drawing
-    from dh2urdf_studio.drawing.strokes import Stroke
-    from dh2urdf_studio.editing.session import Session
+    from dh2urdf_studio.editing.session import OpenArm, Session
     from dh2urdf_studio.joints import Slider
+    from dh2urdf_studio.tab import Tab
 
-ShownScene: TypeAlias = "tuple[str, Drawing, Mapping[str, float], Collection[str]]"
-"""The name of a scene, what is drawn, joint values by name [rad or m], and the layers that are shown."""
 ANSWERED = 60.0
 """How long a page may take to answer what it is asked [s], as on a slow network."""
 QUIET = "flat dense no-caps color=white"
@@ -104,7 +95,10 @@ def toggle(choices: Any, told: str, act: Callable[..., Any], value: object = Non
 
 
 class Panel:
-    """A panel below the table, which a button of the bar opens and closes; `on_move` draws the pose anew."""
+    """A panel below the table, which a button of the bar opens and closes where there is an arm.
+
+    `on_move` draws the pose anew.
+    """
 
     ICON = TITLE = NAME = ""
 
@@ -125,6 +119,13 @@ class Panel:
 
     def show(self) -> None:
         """Show the session as it is now."""
+        arm = self._session.arm if self._is_open else None
+        self._panel.set_visibility(arm is not None)
+        if arm is not None:
+            self._show_arm(arm)
+
+    def _show_arm(self, arm: OpenArm) -> None:
+        """Show what the panel is for."""
 
 
 class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}):  # type: ignore[call-arg]  # Element is any type to mypy
@@ -132,48 +133,41 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
 
     def __init__(
         self,
-        on_undrawn: Callable[[str], None] | None = None,
+        on_undrawn: Callable[[str], None],
+        on_grip: Callable[..., None],
         on_aim: Callable[..., None] | None = None,
         on_pick_node: Callable[[str | None], None] | None = None,
-        on_grip: Callable[..., None] | None = None,
     ) -> None:
         super().__init__()
+        self._layers: list[str] = []
+        self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
+        self.on("grip", lambda event: self._dragged(partial(on_grip, event.args["node"]), [event.args["by"]], event))
         if on_pick_node is not None:
             self.on("pick", lambda event: on_pick_node(event.args["node"]))
         else:
             self.on("pick", js_handler="event => dhGrid.chooseDrawn(event)")
-        if on_undrawn is not None:
-            self.on("undrawn", lambda event: on_undrawn(str(event.args["message"])))
         if on_aim is not None:
-            self.on("aim", lambda event: self._dragged(on_aim, event.args["place"], event.args["begins"]))
-        if on_grip is not None:
-            self.on(
-                "grip",
-                lambda event: self._dragged(
-                    partial(on_grip, str(event.args["node"])), [event.args["by"]], event.args["begins"]
-                ),
-            )
+            self.on("aim", lambda event: self._dragged(on_aim, event.args["place"], event))
 
-    def show(self, drawing: Drawing, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
+    def show(self, tab: Tab) -> None:
         """Another drawing."""
-        self.run_method("show", drawing.as_json(), poses_as_json(poses, strokes))
+        self._set_layers(sorted(tab.shown_layers))
+        self.run_method("show", tab.drawing.as_json(), tab.pose_as_json())
 
-    def pose(self, poses: Sequence[RigidTransform], strokes: Sequence[Stroke]) -> None:
-        """The same drawing in another pose."""
-        self.run_method("move", poses_as_json(poses, strokes))
+    def pose(self, tab: Tab) -> None:
+        """The same drawing in another pose, and perhaps with other layers."""
+        self._set_layers(sorted(tab.shown_layers))
+        self.run_method("move", tab.pose_as_json())
+
+    def _set_layers(self, layers: list[str]) -> None:
+        if layers != self._layers:
+            self._layers = layers
+            self.run_method("setLayers", layers)
 
     async def drawn(self) -> None:
         """Waits until the browser has drawn what it has got; a tab that is not seen draws once a second at most."""
         with contextlib.suppress(TimeoutError):
             await self.run_method("nextPicture", timeout=1.0)
-
-    def set_layers(self, layers: Iterable[str]) -> None:
-        """What is shown."""
-        self.run_method("setLayers", sorted(layers))
-
-    def save_picture(self, name: str, *, transparent: bool) -> None:
-        """Hands the scene over as the browser draws it, as a PNG of twice the size; with or without the ground."""
-        self.run_method("savePicture", safe_stem(name or "arm"), transparent)
 
     async def turn(self, frames: int, largest: int) -> AsyncIterator[str]:
         """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards.
@@ -187,14 +181,10 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
         finally:
             self.run_method("turn", None)
 
-    def show_cloud(self, points: NDArray[np.float64]) -> None:
-        """Points of shape (n, 3) [m] in place of those before, to a micrometre."""
-        self.run_method("showCloud", points.round(6).ravel().tolist())
-
-    def _dragged(self, act: Callable[..., None], numbers: Sequence[Any], begins: object) -> None:
+    def _dragged(self, act: Callable[..., None], numbers: Sequence[Any], event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         """Numbers of what a person drags, the place of the handle or how far a link has come, if they are finite."""
         if all(map(math.isfinite, numbers := [*map(float, numbers)])):
-            act(*numbers, begins=bool(begins))
+            act(*numbers, begins=bool(event.args["begins"]))
         self.run_method("answered")
 
 

@@ -54,6 +54,12 @@ def some_of(things: Sequence[str]) -> str:
     return listed(things, MOST_LOST)
 
 
+def unseen(files: Sequence[str]) -> str:
+    """The message about mesh files that are not there."""
+    told = count(len(files), "mesh file was not found", "mesh files were not found")
+    return f"{told}: {some_of(files)}"
+
+
 def status(session: Session, errors: int) -> tuple[str, str]:
     """The state of the table in a line, and whether it is good or bad."""
     rows, waiting = len(session.table.rows), session.reading.waiting

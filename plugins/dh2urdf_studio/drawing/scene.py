@@ -49,8 +49,9 @@ CENTRE_SIZE = 0.012
 """Radius of the ball at a centre of mass in reaches."""
 REACH_OF_A_POINT = 0.5
 """Reach that an arm of no size is drawn with [m]."""
+DECIMALS = 9
+"""Of a length [m] that a browser gets."""
 _AXIS_LENGTH = 2.6
-_DECIMALS = 9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,7 +113,7 @@ class Drawing:
     def of(cls, figures: Sequence[Figure]) -> Drawing:
         """The drawing of some robots."""
         size = max((extent(figure.robot) for figure in figures), default=1.0)
-        size = size if size > 1 / 10**_DECIMALS else REACH_OF_A_POINT
+        size = size if size > 1 / 10**DECIMALS else REACH_OF_A_POINT
         nodes = tuple(node for figure in figures for node in _nodes(figure, size))
         meshes = ((mesh, figure) for figure in figures for mesh in meshes_of(figure.robot))
         unseen = dict.fromkeys(mesh.filename for mesh, figure in meshes if _file_of(mesh, figure) is None)
@@ -195,24 +196,10 @@ def faded(drawing: Drawing, opacities: Mapping[str, float], hidden: Collection[s
     return replace(drawing, nodes=tuple(nodes))
 
 
-def poses_as_json(poses: Sequence[RigidTransform], strokes: Sequence[Stroke] = ()) -> dict[str, Any]:
-    """Poses and strokes as a browser takes them: twelve numbers a pose, all in one list."""
-    told = [
-        {
-            "row": stroke.row,
-            "field": stroke.field,
-            "label": stroke.label,
-            "points": [[round(x, _DECIMALS) for x in point] for point in stroke.points],
-        }
-        for stroke in strokes
-    ]
-    return {"poses": [number for pose in poses for number in numbers(pose)], "strokes": told}
-
-
 def numbers(pose: RigidTransform) -> list[float]:
     """The upper three rows of the 4x4 matrix, to a nanometre."""
     r, t = pose
-    return [round(x, _DECIMALS) for x in (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2])]
+    return [round(x, DECIMALS) for x in (*r[0:3], t[0], *r[3:6], t[1], *r[6:9], t[2])]
 
 
 def from_root(robot: Robot) -> Iterator[tuple[Link, str]]:

@@ -1,7 +1,4 @@
-"""A tab of the studio: the table and its past, what the readers report about it, the arm on the screen and its pose.
-
-It knows no browser. Whatever a person does is a method; the page shows what the attributes say afterwards.
-"""
+"""A tab of the studio: the table and its past, what the readers report about it, the arm on the screen and its pose."""
 
 from __future__ import annotations
 
@@ -21,9 +18,10 @@ from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
 from dh2urdf_studio.editing import conversions, edits
 from dh2urdf_studio.editing.comparing import Beside, beside, tip_error
 from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, variants
+from dh2urdf_studio.tab import Tab
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf_studio.joints import Slider
@@ -57,49 +55,39 @@ class OpenArm:
     refusal: tuple[CellProblem, ...] = ()
 
 
-class Session:
-    """What a tab shows.
+class Session(Tab):
+    """What a tab of the studio shows.
 
     Attributes:
         catalog: the installed stages.
         history: the table and its past.
         reading: what the readers report about the table.
         arm: the last arm that could be made; None before there is one.
-        drawing: it, as it is drawn.
-        sliders: its moving joints.
-        q: their values by name [rad or m].
         variants: the variants of the transform, the usual one first.
         variant: which variant is shown, or `BOTH`.
-        layers: what is shown.
         picked: the key of the row that is picked, as the page has told it; None where none is.
         confirmed: messages of notices that a person has answered: the unit is right.
         all_columns: whether columns are shown that are empty.
         lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
         poses: joint values that a person has stored, by name [rad or m].
         measured: the names of the two frames between which is measured; None where nothing is.
-        opacities: how opaque the bodies of robots are, by their names, where a person has changed it.
         beside: the description that lies upon the arm, compared with it; None where there is none.
         problems_of_making: why no arm can be made of a table that can be read.
     """
 
     def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
+        super().__init__("links", "axes", "frames", "outlines")
         self.catalog = catalog
         self.history = edits.History.of(table or TableText(name="arm"))
         self.arm: OpenArm | None = None
-        self.drawing = Drawing()
-        self.sliders: tuple[Slider, ...] = ()
-        self.q: dict[str, float] = {}
         self.variants = variants(catalog)
         self.variant = self.variants[0]
-        self.layers: frozenset[str] = frozenset(("links", "axes", "frames", "outlines"))
         self.picked: str | None = None
         self.confirmed: frozenset[str] = frozenset()
         self.all_columns = False
         self.lesson: float | None = None
         self.poses: list[dict[str, float]] = []
         self.measured: tuple[str, str] | None = None
-        self.opacities: dict[str, float] = {}
-        self._grasped = 0.0  # the value of the joint when a person took hold of a link
         self.beside: Beside | None = None
         self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
@@ -112,6 +100,11 @@ class Session:
     def table(self) -> TableText:
         """The table as it is typed."""
         return self.history.table
+
+    @property
+    def name(self) -> str:
+        """The name of the arm."""
+        return self.table.name
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -259,7 +252,7 @@ class Session:
 
     def move(self, values: Mapping[str, float]) -> None:
         """Joint values by name [rad or m]; they are kept inside the limits."""
-        self.q = joints.kept({**self.q, **values}, self.sliders)
+        super().move(values)
         if self._before_preview is not None:
             self._before_preview[1].update(values)
 
@@ -267,22 +260,18 @@ class Session:
         """The DH parameters that are shown, at the pose on the screen; of an explained row its own, and a frame."""
         row = self.drawn_row
         if self.lesson is None or row is None or self.arm is None:
-            shown = self.drawing.strokes(self.q) if "parameters" in self.layers else ()
-            normals = self.drawing.normals(self.joint_values()) if "normals" in self.layers else ()
-            return (*shown, *normals, *self._measured_line())
+            frames, shown = self.frames, super().strokes()
+            if self.measured is None or not frames.keys() >= set(self.measured):
+                return shown
+            one, other = (frames[name].translation for name in self.measured)
+            is_line = math.dist(one, other) > LEAST_LENGTH * self.drawing.reach
+            return (*shown, Stroke(row=None, field="distance", points=(one, other))) if is_line else shown
         own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
         # A length a is the common normal; where it is 0, the cross product of the axes takes its place.
         more = ("line", "foot") if self.arm.manipulator.rows[row].a else ("line", "foot", "normal")
         own += [stroke for stroke in self.drawing.normals(self.q, row) if stroke.field in more]
         size = 1.6 * FRAME_SIZE * self.drawing.reach
         return (*own, *moving_frame(self.arm.manipulator, row, self.q, self.lesson, size))
-
-    def _measured_line(self) -> Iterator[Stroke]:
-        frames = self.frames
-        if self.measured is not None and frames.keys() >= set(self.measured):
-            one, other = (frames[name].translation for name in self.measured)
-            if math.dist(one, other) > LEAST_LENGTH * self.drawing.reach:
-                yield Stroke(row=None, field="distance", points=(one, other))
 
     @property
     def frames(self) -> dict[str, RigidTransform]:
@@ -296,7 +285,7 @@ class Session:
 
     @property
     def shown_layers(self) -> frozenset[str]:
-        """What is shown: the layers that were chosen, and what belongs to a row that is explained."""
+        """The layers that were chosen, and what belongs to a row that is explained."""
         return self.layers if self.lesson is None else self.layers | {"parameters", "lesson"}
 
     @property
@@ -385,16 +374,14 @@ class Session:
         self.poses = [joints.renamed(pose, before, self.sliders) for pose in self.poses]
         self.q = joints.kept(joints.renamed(self.q, before, self.sliders), self.sliders)
 
-    def drag(self, node: str, by: float, *, begins: bool) -> None:
-        """A link has been dragged so far since it was taken [rad or m]: its joint moves, inside the limits."""
-        grip = self.drawing.grips.get(node)
+    def fade(self, robot: str, opacity: float) -> None:
+        """Both variants are the arm; a description that is compared with it is not."""
+        self.opacities = {robot: opacity, f"{self.variants[-1]}/": opacity}
+
+    def _moving(self, joint: str) -> str | None:
         names = [slider.name for slider in self.sliders]
         own = {f"{self.variants[-1]}/{name}": name for name in names} | {name: name for name in names}
-        if self.beside is not None:
-            own |= self.beside.named(names)
-        if grip is not None and (name := own.get(grip.joint)) is not None:
-            self._grasped = self.q[name] if begins else self._grasped
-            self.move({name: grip.value(self._grasped, by)})
+        return (own if self.beside is None else own | self.beside.named(names)).get(joint)
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from dh2urdf.quantities.units import Unit
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.table_text import TableText
+    from dh2urdf_studio.editing.session import OpenArm
 
 _STEP = 0.04  # of a motion in a tick: a motion takes 1.25 s
 _ALL = 4.0
@@ -41,33 +42,27 @@ class LessonPanel(Panel):
         with row_of():
             self._title = ui.label().classes("studio-caption")
             small_button("play", lambda: self._start(0.0, _ALL), "play_arrow")
-            self._steps = [
-                ui.button(on_click=partial(self._start, float(number), number + 1.0)).props(
-                    "flat dense no-caps size=sm"
-                )
-                for number in range(int(_ALL))
-            ]
+            plays = [partial(self._start, float(number), number + 1.0) for number in range(int(_ALL))]
+            self._steps = [ui.button(on_click=play).props("flat dense no-caps size=sm") for play in plays]
         self._text = ui.html(sanitize=False).classes("studio-lesson-text")
         self._timer = ui.timer(TICK, self._go_on, active=False)
 
     def switch(self) -> None:
         """Open it, or close it."""
-        session = self._session
-        session.lesson = _ALL if session.lesson is None else None
+        self._session.lesson = _ALL if self._session.lesson is None else None
         self._timer.deactivate()
         self._on_move()
 
     def show(self) -> None:
         """Show the picked row as it is now."""
-        session = self._session
-        self._panel.set_visibility(session.lesson is not None and session.arm is not None)
-        if session.lesson is None or session.arm is None:
-            return
+        self._is_open = self._session.lesson is not None
+        super().show()
+
+    def _show_arm(self, arm: OpenArm) -> None:
+        session, row = self._session, self._session.drawn_row
         self._panel.props(f"data-progress={session.lesson:.2f}")
-        row = session.drawn_row
-        for number, (button, field) in enumerate(
-            zip(self._steps, ORDER[session.arm.manipulator.convention], strict=True), start=1
-        ):
+        pairs = zip(self._steps, ORDER[arm.manipulator.convention], strict=True)
+        for number, (button, field) in enumerate(pairs, start=1):
             button.set_text(f"{number} {NAMES[field]}")
             button.set_enabled(row is not None)
         if row is None:
@@ -75,7 +70,7 @@ class LessonPanel(Panel):
             self._text.set_content("")
         else:
             self._title.set_text(f"row {(session.row or 0) + 1}")
-            self._text.set_content(explained(session.arm.manipulator, row, session.q, session.table))
+            self._text.set_content(explained(arm.manipulator, row, session.q, session.table))
 
     def _start(self, progress: float, until: float) -> None:
         self._session.lesson, self._until = progress, until

@@ -16,7 +16,6 @@ from dh2urdf_studio.widgets import Panel, row_of, small_button
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dh2urdf.rotations import RigidTransform
     from dh2urdf_studio.editing.session import OpenArm, Session
 
 TICK = 0.05
@@ -42,10 +41,9 @@ class PosesPanel(Panel):
         self._list = row_of()
         self._timer = ui.timer(TICK, self._go_on, active=False)
 
-    def show(self) -> None:
+    def _show_arm(self, _: OpenArm) -> None:
         """Show the poses that are stored."""
         session = self._session
-        self._panel.set_visibility(self._is_open and session.arm is not None)
         self._play.set_text("stop" if self._timer.active else "play")
         self._play.set_enabled(bool(session.poses))
         if self._laid == session.poses:
@@ -55,19 +53,14 @@ class PosesPanel(Panel):
         with self._list:
             for number in range(len(session.poses)):
                 with ui.button_group().props("outline"):
-                    for told, icon, act in (
-                        (f"pose {number + 1}", None, self._go_to),
-                        (f"forget pose {number + 1}", "close", self._drop),
-                    ):
-                        button = ui.button("" if icon else f"{number + 1}", icon=icon, on_click=partial(act, number))
-                        button.props(f'outline dense size=sm aria-label="{told}"')
+                    go = ui.button(f"{number + 1}", on_click=partial(self._start, session.poses[number : number + 1]))
+                    go.props(f'outline dense size=sm aria-label="pose {number + 1}"')
+                    drop = ui.button(icon="close", on_click=partial(self._drop, number))
+                    drop.props(f'outline dense size=sm aria-label="forget pose {number + 1}"')
 
     def _store(self) -> None:
         self._session.poses.append(dict(self._session.q))
         self.show()
-
-    def _go_to(self, number: int) -> None:
-        self._start(self._session.poses[number : number + 1])
 
     def _drop(self, number: int) -> None:
         self._timer.deactivate()
@@ -115,9 +108,9 @@ class MeasuringPanel(Panel):
     ICON, TITLE = "straighten", "measure between frames, and show the workspace"
     NAME = "measuring"
 
-    def __init__(self, session: Session, on_move: Callable[[], None], show_cloud: Callable[..., None]) -> None:
+    def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
         """Lay the panel out, hidden."""
-        self._show_cloud = show_cloud
+        self._tell = tell
         super().__init__(session, on_move)
 
     def _lay_out(self) -> None:
@@ -138,22 +131,28 @@ class MeasuringPanel(Panel):
 
     def show(self) -> None:
         """Show the measures as they are now."""
-        session = self._session
-        arm = session.arm if self._is_open else None
-        self._panel.set_visibility(arm is not None)
+        session, arm = self._session, self._session.arm if self._is_open else None
         wanted = arm if self._cloud.value else None
         if wanted is not self._arm:
             self._arm = wanted
             self._show_workspace()
         if arm is None:
             session.measured = None
-            return
+        super().show()
+
+    def _show_arm(self, arm: OpenArm) -> None:
+        session = self._session
         frames = session.frames
         for select, usual in ((self._from, ROOT), (self._to, TOOL)):
             select.set_options(list(frames), value=select.value if select.value in frames else usual)
         session.measured = str(self._from.value), str(self._to.value)
         one, other = (frames[name] for name in session.measured)
-        self._words.set_text(_measures(one.inverse @ other, arm))
+        pose = one.inverse @ other
+        length, angle = UNITS[arm.table.length_unit], UNITS[arm.table.angle_unit]
+        xyz = ", ".join(f"{length.number(x):.6g}" for x in pose.translation)
+        rpy = ", ".join(f"{angle.number(x):.6g}" for x in pose.rpy)
+        distance = f"distance {length.number(norm(pose.translation)):.6g} {length.symbol}"
+        self._words.set_text(f"{distance}\nxyz {xyz} {length.symbol}; rpy {rpy} {angle.symbol}")
 
     def _choose(self) -> None:
         self.show()
@@ -165,23 +164,15 @@ class MeasuringPanel(Panel):
 
         self._reach.set_text("")
         if self._arm is None:
-            self._show_cloud(np.zeros((0, 3)))
+            self._tell("showCloud", [])
             return
         manipulator, sliders = self._arm.manipulator, self._session.sliders
         count = max(1, min(_POINTS, _NUMBERS // max(1, len(sliders))))
         drawn = [joints.anywhere(sliders) for _ in range(count)]
         q = np.array([[each.get(row.joint, 0.0) for row in manipulator.moving_rows] for each in drawn])
         points = manipulator.fk(q)[:, :3, 3]
-        self._show_cloud(points)
+        self._tell("showCloud", points.round(6).ravel().tolist())  # to a micrometre
         far = np.linalg.norm(points, axis=1)
         unit = UNITS[self._arm.table.length_unit]
         least, most = (f"{unit.number(float(each)):.4g} {unit.symbol}" for each in (far.min(), far.max()))
         self._reach.set_text(f"workspace: tool0 was {least} to {most} from base_link in {count} random poses")
-
-
-def _measures(pose: RigidTransform, arm: OpenArm) -> str:
-    length, angle = UNITS[arm.table.length_unit], UNITS[arm.table.angle_unit]
-    xyz = ", ".join(f"{length.number(x):.6g}" for x in pose.translation)
-    rpy = ", ".join(f"{angle.number(x):.6g}" for x in pose.rpy)
-    distance = length.number(norm(pose.translation))
-    return f"distance {distance:.6g} {length.symbol}\nxyz {xyz} {length.symbol}; rpy {rpy} {angle.symbol}"

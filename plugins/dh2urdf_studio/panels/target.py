@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 from nicegui import run, ui
 
 from dh2urdf.errors import InputError
+from dh2urdf.kinematics.chain import forward_kinematics
 from dh2urdf.kinematics.inverse import InverseSolution, dexterity, inverse_kinematics
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import evaluate
@@ -20,14 +22,15 @@ from dh2urdf.rotations import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
-from dh2urdf_studio.widgets import Panel, row_of
+from dh2urdf_studio.widgets import Panel, row_of, toggle
 from dh2urdf_studio.words import USUAL, decimals, short
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf_studio.editing.session import Session
+    from dh2urdf.table_text import TableText
+    from dh2urdf_studio.editing.session import OpenArm, Session
 
 PLACE = ("x", "y", "z")
 TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy", "qz", "qw")}
@@ -42,10 +45,11 @@ class TargetPanel(Panel):
 
     ICON, TITLE, NAME = "ads_click", "set the pose of tool0", "the pose of tool0"
 
-    def __init__(self, session: Session, on_move: Callable[[], None], on_switch: Callable[[bool], None]) -> None:
+    def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
         """Lay the panel out, hidden."""
-        self._on_switch = on_switch
+        self._tell = tell
         self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
+        self._boxes: dict[str, ui.input] = {}
         self._shown: dict[str, tuple[str, float]] = {}  # the text of a box, and the value that it was made of
         self._focused = ""  # the box that a person types in
         self._searches = 0
@@ -55,18 +59,15 @@ class TargetPanel(Panel):
     def _lay_out(self) -> None:
         with row_of():
             ui.label("T(base_link → tool0)").classes("studio-caption")
-            self._turn = ui.toggle(list(TURNS), value=next(iter(TURNS)), on_change=self.show)
-            self._turn.props('dense unelevated no-caps aria-label="how the orientation is written"')
+            self._turn = toggle([*TURNS], "how the orientation is written", self.show, next(iter(TURNS)))
         with row_of():
-            self._boxes = {name: self._box(name) for name in (*PLACE, *sum(TURNS.values(), ()))}
+            for name in (*PLACE, *sum(TURNS.values(), ())):
+                box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
+                box.classes("studio-target-box").on("change", self._typed)
+                box.on("focus", partial(self._focus, name)).on("blur", partial(self._focus, "", after=name))
+                self._boxes[name] = box
         self._answer = ui.label().classes("studio-target-answer").props('role="status"')
         self._numbers = ui.label().classes("studio-target-numbers")
-
-    def _box(self, name: str) -> ui.input:
-        box = ui.input().props(f'dense outlined prefix="{name}" aria-label="{name} of tool0"')
-        box.classes("studio-target-box").on("change", self._typed)
-        box.on("focus", lambda: self._focus(name)).on("blur", lambda: self._focus("", after=name))
-        return box
 
     def _focus(self, name: str, after: str | None = None) -> None:
         if after in (None, self._focused):  # The browser reports that a box is left after the focus of the next one.
@@ -76,16 +77,13 @@ class TargetPanel(Panel):
         """Open it, or close it; the handle comes and goes with it."""
         self._answer.set_text("")
         super().switch()
-        self._on_switch(self._is_open)
+        self._tell("showHandle", self._is_open)
 
-    def show(self) -> None:
+    def _show_arm(self, arm: OpenArm) -> None:
         """Show the pose, and what the arm can do from here."""
-        arm, pose = self._session.arm, self._session.pose
-        self._panel.set_visibility(self._is_open and pose is not None)
-        if not self._is_open or arm is None or pose is None:
-            return
+        session, pose = self._session, forward_kinematics(arm.manipulator, self._session.vector)
+        length, angle = UNITS[arm.table.length_unit], UNITS[arm.table.angle_unit]
         rpy, quaternion = TURNS.values()
-        length, angle = self._units
         values = {name: (length, value) for name, value in zip(PLACE, pose.translation, strict=True)}
         values |= {name: (angle, value) for name, value in zip(rpy, pose.rpy, strict=True)}
         parts = quaternion_from_rotation(pose.rotation)
@@ -93,16 +91,19 @@ class TargetPanel(Panel):
         for name, box in self._boxes.items():
             if not self._keeps_texts and name != self._focused:
                 unit, value = values[name]
-                digits = max(USUAL, decimals(length, self._session.reach)) if name in PLACE else USUAL
+                digits = max(USUAL, decimals(length, session.reach)) if name in PLACE else USUAL
                 box.set_value(short(unit.number(value), digits))
                 self._shown[name] = box.value, value
             box.set_visibility(name in PLACE or name in TURNS[self._turn.value])
-        self._numbers.set_text(_words_of(arm.manipulator, self._session))
-
-    @property
-    def _units(self) -> tuple[Unit, Unit]:
-        table = self._session.arm.table if self._session.arm else self._session.table
-        return UNITS[table.length_unit], UNITS[table.angle_unit]
+        here = dexterity(arm.manipulator, session.vector)
+        told = f"manipulability {here.manipulability:.3g}; smallest singular value {here.smallest_singular_value:.3g}"
+        if here.smallest_singular_value < _SINGULAR:
+            told = "The arm is at a singularity: manipulability 0"
+        if sliders := [slider for slider in session.sliders if slider.name in here.margins]:
+            nearest = min(sliders, key=lambda slider: here.margins[slider.name])
+            margin = nearest.shown(here.margins[nearest.name])
+            told += f"; nearest limit: {nearest.name}, {margin:.4g} {nearest.unit.symbol}"
+        self._numbers.set_text(told)
 
     def _number(self, name: str, unit: Unit) -> float:
         """The number in a box in SI units; where nothing was typed, all digits of it.
@@ -120,13 +121,13 @@ class TargetPanel(Panel):
             error.add_note(name)
             raise
 
-    def _pose(self) -> RigidTransform:
-        """The pose in the boxes.
+    def _pose(self, table: TableText) -> RigidTransform:
+        """The pose in the boxes, in the units of a table.
 
         Raises:
             QuantityError: a text is no number, or the quaternion is 0.
         """
-        length, angle = self._units
+        length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
         x, y, z = (self._number(name, length) for name in PLACE)
         names = TURNS[self._turn.value]
         if len(names) == len(PLACE):
@@ -148,7 +149,7 @@ class TargetPanel(Panel):
         number = self._searches
         try:
             search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
-                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(), self._session.vector)
+                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(arm.table), self._session.vector)
             )
             done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
             if not done:
@@ -181,23 +182,6 @@ class TargetPanel(Panel):
             values[row.joint] = math.remainder(value, math.tau) if turns else value
         self._session.move(values)
         self._on_move()
-        self._answer.set_text("tool0 is there" if found.reached else _shortfall(found))
-
-
-def _shortfall(found: InverseSolution) -> str:
-    far = float(f"{found.position_error * 1000.0:.3g}")  # and no power of ten: 1080
-    return f"The arm cannot reach this pose: tool0 is {far:g} mm and {math.degrees(found.angle_error):.3g}° from it."
-
-
-def _words_of(arm: Manipulator, session: Session) -> str:
-    """Manipulability, the distance from a singularity, and the joint that is nearest to a limit."""
-    here = dexterity(arm, session.vector)
-    parts = [f"manipulability {here.manipulability:.3g}", f"smallest singular value {here.smallest_singular_value:.3g}"]
-    if here.smallest_singular_value < _SINGULAR:
-        parts = ["The arm is at a singularity: manipulability 0"]
-    sliders = [slider for slider in session.sliders if slider.name in here.margins]
-    if sliders:
-        nearest = min(sliders, key=lambda slider: here.margins[slider.name])
-        margin = nearest.shown(here.margins[nearest.name])
-        parts.append(f"nearest limit: {nearest.name}, {margin:.4g} {nearest.unit.symbol}")
-    return "; ".join(parts)
+        far = float(f"{found.position_error * 1000.0:.3g}")  # and no power of ten: 1080
+        short_of = f"tool0 is {far:g} mm and {math.degrees(found.angle_error):.3g}° from it."
+        self._answer.set_text("tool0 is there" if found.reached else f"The arm cannot reach this pose: {short_of}")

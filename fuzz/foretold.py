@@ -31,7 +31,7 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
 from dh2urdf_check.ask.findings import asking, seen_findings
 from dh2urdf_check.files import described_files
-from dh2urdf_check.models import model_rules
+from dh2urdf_check.inspection import model_rules
 from dh2urdf_check.rules import Outcome, rules
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def ask(cases: Sequence[Case], seen: dict[Path, Seen]) -> None:
     fresh = [(case.path, CATALOG.get("emitter", case.form)) for case in cases if case.path not in seen]
     if fresh:
         with asking(CATALOG, fresh, packages_of(cases[0]), ()) as at_work:
-            seen.update((each.given.path, each) for each in at_work)
+            seen.update((each.path, each) for each in at_work)
 
 
 def answers_of(seen: Seen) -> list[Answer]:

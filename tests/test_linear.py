@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.errors import Dh2UrdfError
-from dh2urdf_check.inspection import inspect_urdf
-from dh2urdf_check.models import inspect_mjcf, inspect_sdf
+from dh2urdf_check.inspection import inspect_mjcf, inspect_sdf, inspect_urdf
 from dh2urdf_plugins.formats import foreign_mjcf as read_mjcf, foreign_sdf as read_sdf
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
 from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml

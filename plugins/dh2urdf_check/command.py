@@ -34,7 +34,7 @@ from dh2urdf.stages import Expansion
 from dh2urdf_check.files import inspect_files, repaired
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.kinematics.comparison import Agreement
     from dh2urdf.manipulator import Manipulator
@@ -52,13 +52,7 @@ EXIT_STATUS = (
 @click.argument("words", nargs=-1, metavar="FILE… [NAME:=VALUE]…")
 @package_paths_option
 @option("--for", "simulators", multiple=True, metavar="SIMULATOR", help="Only what this one does; repeatable.")
-@option(
-    "--against",
-    "table",
-    type=PATH,
-    metavar="TABLE",
-    help="Compare the kinematics with a DH table.",
-)
+@option("--against", "table", type=PATH, metavar="TABLE", help="Compare the kinematics with a DH table.")
 @option("--base-link", metavar="LINK", help="Where the arm begins; the root.")
 @option("--tip-link", metavar="LINK", help="Where it ends; tool0, flange, or its last link.")
 @table_options
@@ -110,7 +104,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf check my_robots/ --format sarif > robots.sarif
     """
     if rule is not None:
-        from dh2urdf_check.explaining import explanation
+        from dh2urdf_check.rules import explanation
 
         answer(explanation(rule))
         return 0
@@ -132,9 +126,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     asked = _asked(simulators, is_silent=is_silent)
     found = inspect_files(installed, files, format_name, expansion, asked)
     consumers = _chosen(simulators, found.consumers)
-    findings = [finding for each in found.findings if (finding := _only(each, consumers))]
+    findings = list(_only(found.findings, consumers))
     comparison = None
-    from dh2urdf_check.reports import Report, as_json, as_sarif, comparison_finding
+    from dh2urdf_check.reports import Report, as_json, as_sarif, comparison_finding, print_report
 
     if manipulator is not None and table is not None:
         agreement = _agreement(found.robot, manipulator, files[0], base_link, tip_link)
@@ -149,8 +143,6 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     elif form == "sarif":
         answer(as_sarif(findings))
     else:
-        from dh2urdf_check.printing import print_report
-
         print_report(report, is_whole=is_whole)
     return status
 
@@ -196,16 +188,15 @@ def _refuse_without_table(options: Mapping[str, str | None]) -> None:
 
 
 def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
-    problem = None
+    message, accepted = "", "one FILE"
     if not files:
-        problem = Problem(message="no FILE is given", mark=COMMAND_LINE, accepted="a robot description, or a folder")
+        message, accepted = "no FILE is given", "a robot description, or a folder"
     elif table is not None:
         message = "--against compares one description with a table, and there are several"
-        problem = Problem(message=message, mark=COMMAND_LINE, accepted="one FILE")
     elif DASH in map(str, files):
-        problem = Problem(message="standard input is one FILE alone", mark=COMMAND_LINE, accepted="one FILE")
-    if problem:
-        raise ConfigError(problem)
+        message = "standard input is one FILE alone"
+    if message:
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted=accepted))
 
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
@@ -227,12 +218,12 @@ def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, 
     return {name: title for name, title in known.items() if not simulators or name in simulators}
 
 
-def _only(finding: Finding, consumers: Mapping[str, str]) -> Finding | None:
-    """A finding with the effects on some consumers; None where it has none on them."""
-    if not finding.effects:
-        return finding
-    effects = tuple(effect for effect in finding.effects if effect.consumer in consumers)
-    return replace(finding, effects=effects) if effects else None
+def _only(findings: Sequence[Finding], consumers: Mapping[str, str]) -> Iterator[Finding]:
+    """The findings that matter to some consumers, with their effects on these alone."""
+    for finding in findings:
+        effects = tuple(effect for effect in finding.effects if effect.consumer in consumers)
+        if effects or not finding.effects:
+            yield replace(finding, effects=effects)
 
 
 def _manipulator(catalog: Catalog, table: Path, flags: Mapping[str, str | None]) -> Manipulator:
@@ -248,12 +239,12 @@ def _agreement(
 ) -> Agreement:
     from dh2urdf.kinematics.comparison import Agreement, compare
 
-    if robot is None:
-        return Agreement(
-            base_link=base_link or "",
-            tip_link=tip_link or "",
-            joints=(),
-            difference=None,
-            first_difference=f"{file.name} has no tree of links that could be compared",
-        )
-    return compare(robot, manipulator, base_link=base_link, tip_link=tip_link)
+    if robot is not None:
+        return compare(robot, manipulator, base_link=base_link, tip_link=tip_link)
+    return Agreement(
+        base_link=base_link or "",
+        tip_link=tip_link or "",
+        joints=(),
+        difference=None,
+        first_difference=f"{file.name} has no tree of links that could be compared",
+    )

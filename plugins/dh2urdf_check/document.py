@@ -20,6 +20,7 @@ _ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"']([^\"']+)[\"']", re.IGN
 _COMMENT = re.compile(r"(?<=<!--).*?(?=-->)", re.DOTALL)
 _INSTRUCTION = re.compile(r"<\?.*?\?>", re.DOTALL)
 _DOCUMENT_TYPE = re.compile(r"<!DOCTYPE[^>\[]*(?:\[.*?\]\s*(?=>))?>", re.DOTALL)
+_NO_BREAK = re.compile(r"[^\n]")
 _NO_LETTER = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _NO_REFERENCE = re.compile(r"&(?!(?:quot|amp|apos|lt|gt|#x[0-9A-Fa-f]{1,6}|#[0-9]{1,7});)")
 _VALUE = re.compile(r"""(?<==)(?:"[^"<>]*"|'[^'<>]*')""")
@@ -28,12 +29,7 @@ _TAB, _BREAK = "\ue009", "\ue00a"
 
 
 class NotXmlError(Exception):
-    """A text that is no XML.
-
-    Attributes:
-        reason: what is wrong.
-        at: its line and column, from 1.
-    """
+    """A text that is no XML: the reason, and the line and column, from 1."""
 
     def __init__(self, reason: str, line: int = 1, column: int = 1) -> None:
         self.reason, self.at = reason, (line, column)
@@ -41,17 +37,11 @@ class NotXmlError(Exception):
 
 
 class Parsed(NamedTuple):
-    """A text as a tree.
-
-    Attributes:
-        root: the outermost element; `:` in names, which names no namespace here, is a point.
-        places: the line and column of each element, in the order of the text.
-        complaint: why it is not XML to the letter, and its line and column; None where it is.
-    """
+    """A text as a tree, in which `:` of a name, which names no namespace here, is a point."""
 
     root: etree._Element
-    places: dict[etree._Element, tuple[int, int]]
-    complaint: tuple[str, tuple[int, int]] | None
+    places: dict[etree._Element, tuple[int, int]]  # the line and column of each element, in the order of the text
+    complaint: tuple[str, tuple[int, int]] | None  # why it is not XML to the letter, and its line and column
 
 
 def parse(content: bytes) -> Parsed:
@@ -86,11 +76,7 @@ def without_comments(text: str) -> str:
 def _blanked(pattern: re.Pattern[str], end: str, text: str) -> str:
     """A text with blanks where a pattern matches; behind its last end no place is searched for one."""
     cut = text.rfind(end) + len(end)
-    return pattern.sub(_blank, text[:cut]) + text[cut:]
-
-
-def _blank(found: re.Match[str]) -> str:
-    return re.sub(r"[^\n]", " ", found[0])
+    return pattern.sub(lambda found: _NO_BREAK.sub(" ", found[0]), text[:cut]) + text[cut:]
 
 
 def _read_as(content: bytes) -> str:
@@ -110,7 +96,7 @@ def _read_as(content: bytes) -> str:
     text = without_comments(re.sub(r"\r(?!\n)", " ", text))
     text = _blanked(_INSTRUCTION, "?>", text)
     if found := _DOCUMENT_TYPE.match(text, max(text.find("<!DOCTYPE"), 0)):
-        text = f"{text[: found.start()]}{_blank(found)}{text[found.end() :]}"
+        text = f"{text[: found.start()]}{_NO_BREAK.sub(' ', found[0])}{text[found.end() :]}"
     text = _NO_REFERENCE.sub("&amp;", _NO_LETTER.sub(lambda found: " " if found[0] == "\0" else "?", text))
     return _VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
 
@@ -131,7 +117,9 @@ class _Tree:
         if len(self.above) > DEEPEST:
             self.above.append(None)
             return
-        values = {_name(name): _value(text) for name, text in attributes.items()}
+        values = {
+            _name(name): text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n") for name, text in attributes.items()
+        }
         holder = self.above[-1] if self.above else None
         element = etree.Element(_name(tag), values) if holder is None else etree.SubElement(holder, _name(tag), values)
         self.above.append(element)
@@ -145,7 +133,3 @@ class _Tree:
 
 def _name(name: str) -> str:
     return f"{'_' if name.startswith(':') else ''}{name.replace(':', '.')}"
-
-
-def _value(text: str) -> str:
-    return text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n")

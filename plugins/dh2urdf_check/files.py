@@ -7,7 +7,7 @@ import os
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
@@ -24,11 +24,10 @@ if TYPE_CHECKING:
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Emitter
     from dh2urdf_check.ask.asking import Answer
     from dh2urdf_check.ask.findings import Seen
 
-_UNREADABLE = Finding(rule="unreadable-file", message="", fix="make it a file that can be read, or remove it")
+_CHOICE = "`--as NAME`"
 _BEGINNING = 2**16
 """As much of a file as is read to know whether it is a description [B]."""
 _LONGEST_SEARCHED = 2**24
@@ -39,39 +38,23 @@ _NAMED = re.compile(rb"<robot\b[^>]*?\sname\s*=")
 
 
 class Described(NamedTuple):
-    """What is in some folders.
+    """What is in some folders."""
 
-    Attributes:
-        files: the descriptions, each with the name of its format, in the order of their paths.
-        unreadable: what is wrong with files that could not be looked at.
-        looked_at: how many files there are.
-        packages: the folders that are ROS packages.
-    """
-
-    files: tuple[tuple[Path, str], ...]
-    unreadable: tuple[Problem, ...]
-    looked_at: int
-    packages: tuple[Path, ...]
+    files: tuple[tuple[Path, str], ...]  # the descriptions, each with the name of its format, in the order of paths
+    unreadable: tuple[Problem, ...]  # what is wrong with files that could not be looked at
+    looked_at: int  # how many files there are
+    packages: tuple[Path, ...]  # the folders that are ROS packages
 
 
 class Inspections(NamedTuple):
-    """Findings about some files.
+    """Findings about some files."""
 
-    Attributes:
-        files: the descriptions that were inspected.
-        looked_at: how many files were looked at to find them.
-        consumers: the consumers of their formats.
-        findings: what was found, in the order of the files; of a file that several include, once.
-        answers: what the programs made of the files that were asked.
-        robot: the robot of a single file, as far as it can be read.
-    """
-
-    files: tuple[Path, ...]
-    looked_at: int
-    consumers: dict[str, str]
-    findings: tuple[Finding, ...]
-    answers: tuple[Answer, ...] = ()
-    robot: Robot | None = None
+    files: tuple[Path, ...]  # the descriptions that were inspected
+    looked_at: int  # how many files were looked at to find them
+    consumers: dict[str, str]  # the consumers of their formats
+    findings: tuple[Finding, ...]  # in the order of the files; what is in a file that several include, once
+    answers: tuple[Answer, ...] = ()  # what the programs made of the files that they were given
+    robot: Robot | None = None  # of a single file, as far as it can be read
 
 
 def inspect_files(
@@ -106,11 +89,13 @@ def inspect_files(
     emitters = {path: emitter_of(catalog, path, name, _CHOICE) for path, name in waiting}
     findings = list(map(_unreadable, described.unreadable))
     is_used = is_one or expansion == Expansion()
-    consumers: dict[str, str] = {}
-    answers: list[Answer] = []
-    robot = None
-    with _asking(catalog, emitters, known, asked) as seen:
-        inspected = {}
+    at_work: contextlib.AbstractContextManager[Iterable[Seen]] = contextlib.nullcontext(())
+    if asked is not None:  # Nothing of programs is imported where nobody is asked.
+        from dh2urdf_check.ask.findings import asking
+
+        at_work = asking(catalog, emitters.items(), known, asked)
+    inspected = {}
+    with at_work as seen:
         for path, emitter in emitters.items():
             checks = emitter.can(Checks)
             expands, finds = has_macros(emitter), checks is not None and checks.finds_packages
@@ -122,13 +107,10 @@ def inspect_files(
                 if is_one or isinstance(error, ConfigError):
                     raise
                 findings += map(_unreadable, error.problems)
-        seen_of = {each.given.path: each for each in seen}
+        seen_of = {each.path: each for each in seen}
     for path, inspection in inspected.items():
-        consumers.update(inspection.consumers)
-        robot = inspection.robot if is_one else None
-        if each := seen_of.get(path):
-            answers.extend(each.answers)
-        findings.extend(each.beside(inspection.findings) if each else inspection.findings)
+        of_file = seen_of.get(path)
+        findings += of_file.beside(inspection.findings) if of_file else inspection.findings
     if not is_used:
         message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
         raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
@@ -136,29 +118,16 @@ def inspect_files(
     return Inspections(
         files=tuple(emitters),
         looked_at=len(named) + described.looked_at,
-        consumers=consumers,
+        consumers={name: title for each in inspected.values() for name, title in each.consumers.items()},
         findings=tuple(findings) if is_one else tuple(reversed(different.values())),
-        answers=tuple(answers),
-        robot=robot,
+        answers=tuple(answer for path in inspected if path in seen_of for answer in seen_of[path].answers),
+        robot=next((each.robot for each in inspected.values()), None) if is_one else None,
     )
 
 
-_CHOICE = "`--as NAME`"
-
-
-def _asking(
-    catalog: Catalog, emitters: Mapping[Path, Emitter[Any]], expansion: Expansion, asked: Sequence[str] | None
-) -> contextlib.AbstractContextManager[Iterator[Seen]]:
-    """The programs that are asked, at work; nothing of them is imported where nobody is."""
-    if asked is None:
-        return contextlib.nullcontext(iter(()))
-    from dh2urdf_check.ask.findings import asking
-
-    return asking(catalog, list(emitters.items()), expansion, asked)
-
-
 def _unreadable(problem: Problem) -> Finding:
-    return replace(_UNREADABLE, message=problem.message, mark=problem.mark)
+    fix = "make it a file that can be read, or remove it"
+    return Finding(rule="unreadable-file", message=problem.message, fix=fix, mark=problem.mark)
 
 
 def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
@@ -183,11 +152,7 @@ def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
 
 
 def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
-    """The robot descriptions in some folders and in those below them; hidden folders are not entered.
-
-    Args:
-        catalog: the emitters, which know the descriptions of their formats.
-        folders: the folders.
+    """The robot descriptions in some folders and in those below them, as emitters know those of their formats.
 
     Raises:
         InputError: a folder cannot be read, or there is no description in it.
@@ -204,32 +169,26 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
                 roots[path] = _outermost(path)
             except InputError as error:
                 unreadable.extend(error.problems)
-        found = {path: name for name, path in _claimed(catalog, roots)}
+        found: dict[Path, str] = {}
+        for provided in catalog.provided("emitter"):
+            emitter, checks = provided.stage, provided.stage.can(Checks)
+            if checks is None or checks.descriptions is None:
+                continue
+            with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "descriptions"):
+                found |= dict.fromkeys(items_of(checks.descriptions(roots), "paths"), emitter.name)
         if not found and not unreadable:
-            raise InputError(
-                Problem(
-                    message=f"no robot description is in this folder ({len(paths)} files looked at)",
-                    mark=Mark(file=str(folder)),
-                    accepted="files whose outermost element is that of a format that `dh2urdf check` knows",
-                )
-            )
+            message = f"no robot description is in this folder ({len(paths)} files looked at)"
+            accepted = "files whose outermost element is that of a format that `dh2urdf check` knows"
+            raise InputError(Problem(message=message, mark=Mark(file=str(folder)), accepted=accepted))
         looked_at += len(paths)
         packages.extend(path.parent for path in paths if path.name == PACKAGE_FILE)
         files |= dict.fromkeys(sorted(found.items()))
     return Described(tuple(files), tuple(unreadable), looked_at, tuple(packages))
 
 
-def _claimed(catalog: Catalog, roots: dict[Path, str]) -> Iterator[tuple[str, Path]]:
-    for provided in catalog.provided("emitter"):
-        emitter, checks = provided.stage, provided.stage.can(Checks)
-        if checks is None or checks.descriptions is None:
-            continue
-        with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "descriptions"):
-            for path in items_of(checks.descriptions(roots), "paths"):
-                yield emitter.name, path
-
-
 def _files(folder: Path, unreadable: list[Problem]) -> Iterator[Path]:
+    """The files in a folder; hidden folders are not entered."""
+
     def refused(error: OSError) -> None:
         message = f"this folder cannot be read: {error.strerror}"
         unreadable.append(Problem(message=message, mark=Mark(file=str(error.filename))))

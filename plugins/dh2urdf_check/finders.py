@@ -27,7 +27,7 @@ from dh2urdf_check.rules import At, Hit
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-    from dh2urdf_check.rules import Case, Rule
+    from dh2urdf_check.rules import Rule
 
 _SLOT = re.compile(r"\{([^{}]+)\}")
 _FEW = 4
@@ -36,33 +36,17 @@ _UNQUOTED = ("name(", "moments(", "implausible(", "mesh(")
 
 
 class Place(NamedTuple):
-    """What a verb finds.
-
-    Attributes:
-        at: an element, or the line and column of a text.
-        words: words for the message that no XPath has.
-        others: what else the finding is about.
-    """
+    """What a verb finds."""
 
     at: At
-    words: Mapping[str, str] = {}
-    others: Sequence[etree._Element] = ()
+    words: Mapping[str, str] = {}  # for the message: what no XPath has
+    others: Sequence[etree._Element] = ()  # what else the finding is about
 
 
 class Document:
     """An XML document on which rules are evaluated.
 
-    Attributes:
-        root: its outermost element.
-        path: its file.
-        sets: names that rules know by a word, such as ``$links``.
-        text: its text with blanks in comments, a letter a byte; empty where no rule asks for it.
-
-    Args:
-        root: its outermost element.
-        path: its file.
-        functions: what its format adds to the functions of XPath, by name.
-        place: where an element is, as messages say it.
+    `functions` are what its format adds to the functions of XPath; `place` says where an element is.
     """
 
     def __init__(
@@ -72,8 +56,9 @@ class Document:
         functions: Mapping[str, Callable[..., Any]] | None = None,
         place: Callable[[etree._Element], str] = lambda at: f"line {at.sourceline}",
     ) -> None:
-        self.root, self.path, self.place, self.text = root, path, place, ""
-        self.sets: dict[str, Collection[str]] = {}
+        self.root, self.path, self.place = root, path, place
+        self.text = ""  # with blanks in comments, a letter a byte, where a rule asks for it
+        self.sets: dict[str, Collection[str]] = {}  # names that rules know by a word, such as $links
         plain = {"there": lambda _, address: is_file(path.parent / unquote(text_of(address)))}
         self._functions = {(None, name): each for name, each in {**FUNCTIONS, **plain, **(functions or {})}.items()}
         self._compiled: dict[str, etree.XPath] = {}
@@ -89,23 +74,20 @@ class Document:
         for rule in rules:
             found: dict[tuple[At, str], Hit] = {}
             for case in rule.cases:
-                for hit in self._broken(rule, case):
-                    before = found.get((hit.at, hit.message), hit)
-                    found[hit.at, hit.message] = hit._replace(of=hit.of | before.of)
+                selected = self.select(case.at) if case.at else []
+                for place in VERBS[case.verb](self, selected, case.argument) if selected or not case.at else ():
+                    about = (place.at, *place.others)
+                    of = frozenset(
+                        name
+                        for name, holds in rule.where.items()
+                        if name in (case.of or rule.where)
+                        and (not holds or any(self.select(f"boolean({holds})", each) for each in about))
+                    )
+                    if of:
+                        message = self._said(case.says, place)
+                        before = found.get((place.at, message))
+                        found[place.at, message] = Hit(rule.name, place.at, message, of | (before.of if before else of))
             yield from found.values()
-
-    def _broken(self, rule: Rule, case: Case) -> Iterator[Hit]:
-        found = self.select(case.at) if case.at else []
-        for place in VERBS[case.verb](self, found, case.argument) if found or not case.at else ():
-            about = (place.at, *place.others)
-            of = {
-                name
-                for name, holds in rule.where.items()
-                if name in (case.of or rule.where)
-                and (not holds or any(self.select(f"boolean({holds})", each) for each in about))
-            }
-            if of:
-                yield Hit(rule.name, place.at, self._said(case.says, place), frozenset(of))
 
     def _said(self, sentence: str, place: Place) -> str:
         """A sentence with what its slots select: names in quotation marks, numbers short, tags as they are."""
@@ -154,21 +136,16 @@ def _word(_: object, value: Any, index: float) -> float:  # noqa: ANN401
     return _number(None, words[int(index) - 1]) if 0 < index <= len(words) else math.nan
 
 
-def _count(value: Any) -> int:  # noqa: ANN401
-    return len(text_of(value).split())
-
-
 def _least(_: object, reader: str, value: Any, count: float) -> float:  # noqa: ANN401
     """The smallest of the numbers that a reader reads, -inf where one is NaN; NaN where it refuses the text."""
-    found = READ_BY[reader](text_of(value), int(count))
-    return (
-        min((-math.inf if math.isnan(number) else number for number in found), default=math.nan) if found else math.nan
-    )
+    found = READ_BY[reader](text_of(value), int(count)) or ()
+    return min((-math.inf if math.isnan(number) else number for number in found), default=math.nan)
 
 
 def _plain(values: Sequence[Any]) -> list[float]:
     """The plain numbers in some texts; NaN for a text that is of others, too."""
-    return [number for value in values for number in numbers_of(text_of(value), _count(value) or 1) or (math.nan,)]
+    texts = map(text_of, values)
+    return [number for text in texts for number in numbers_of(text, len(text.split()) or 1) or (math.nan,)]
 
 
 def _largest(_: object, *values: Any) -> float:  # noqa: ANN401
@@ -203,7 +180,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "is-out-of-range": lambda _, value: any(not 0.0 <= number <= 1.0 for number in begun_numbers(text_of(value))),
     "largest": _largest,
     "halves": lambda _, *values: all((2.0 * number).is_integer() for number in _plain(values)),
-    "finite": lambda _, value: all(map(math.isfinite, mujoco_numbers(text_of(value), _count(value)) or ())),
+    "finite": lambda _, value: all(
+        map(math.isfinite, mujoco_numbers(text_of(value), len(text_of(value).split())) or ())
+    ),
     "inertia": _inertia,
     "lower": lambda _, value: text_of(value).lower(),
     "is-like": lambda _, value, pattern: re.fullmatch(pattern, text_of(value)) is not None,
@@ -241,10 +220,9 @@ def _unknown(document: Document, found: list[etree._Element], about: Mapping[str
         start = next(itertools.islice(element.iterancestors(), above - 1, None)) if above else document.root
         if start not in names:
             if isinstance(among, list) or among in document.sets:
-                selected: Iterable[str] = among if isinstance(among, list) else document.sets[among]
+                names[start] = dict.fromkeys(among if isinstance(among, list) else document.sets[among])
             else:
-                selected = map(text_of, document.select(among, element))
-            names[start] = dict.fromkeys(selected)
+                names[start] = dict.fromkeys(map(text_of, document.select(among, element)))
         known = names[start]
         if value and value not in known:
             near = did_you_mean(value, known)

@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING, NamedTuple
 from xml.parsers import expat
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.quantities import format_numbers
@@ -26,7 +27,7 @@ DENSITY = 2700.0
 """Of the ball whose inertia takes the place of 0: aluminium, as of drawn shapes [kg/m³]."""
 _DECLARATION = b'<?xml version="1.0" encoding="utf-8"?>\n'
 _BOM = b"\xef\xbb\xbf"
-_ATTRIBUTE = re.compile(rb"""([\w:.-]+)\s*=\s*("[^"<]*"|'[^'<]*')""")
+_ATTRIBUTE = re.compile(rb"""\s*([\w:.-]+)\s*=\s*("[^"<]*"|'[^'<]*')""")
 _TROUBLESOME = re.compile(r"[^A-Za-z0-9_.-]+")
 _NAMING = {
     "link": ("name",),
@@ -65,7 +66,7 @@ def fixed(path: Path) -> Repair:
     """
     content = read_bytes(path, InputError, limit=LARGEST)
     tags = _tags(content, path)
-    edits = [*_axes(tags), *_limits(tags), *_inertias(tags), *_names(tags)]
+    edits = [*_numbers(tags), *_names(tags)]
     pieces, end, told = list[bytes](), 0, dict[str, Problem]()
     for edit in sorted(edits, key=lambda edit: edit.span):
         pieces += [content[end : edit.span[0]], edit.text]
@@ -80,12 +81,6 @@ def fixed(path: Path) -> Repair:
     return Repair(content=text, changes=tuple(changes))
 
 
-def _after_space(content: bytes, place: int) -> int:
-    while content[place : place + 1].isspace():
-        place += 1
-    return place
-
-
 def _tags(content: bytes, path: Path) -> list[_Tag]:
     tags: list[_Tag] = []
     above: list[str] = []
@@ -95,7 +90,7 @@ def _tags(content: bytes, path: Path) -> list[_Tag]:
         start = parser.CurrentByteIndex
         spans: dict[str, tuple[int, int]] = {}
         place = start + 1 + len(name.encode())
-        while match := _ATTRIBUTE.match(content, _after_space(content, place)):
+        while match := _ATTRIBUTE.match(content, place):
             spans[match[1].decode()] = (match.start(2) + 1, match.end(2) - 1)
             place = match.end()
         if set(spans) == set(values):  # Otherwise the text is not as it is read, and stays.
@@ -103,10 +98,7 @@ def _tags(content: bytes, path: Path) -> list[_Tag]:
             tags.append(tag)
         above.append(name)
 
-    def ended(_name: str) -> None:
-        above.pop()
-
-    parser.StartElementHandler, parser.EndElementHandler = started, ended
+    parser.StartElementHandler, parser.EndElementHandler = started, lambda _name: above.pop()
     try:
         content.decode("utf-8")
         parser.Parse(content, True)
@@ -116,52 +108,35 @@ def _tags(content: bytes, path: Path) -> list[_Tag]:
     return tags
 
 
-def _of_robot(tag: _Tag, *above: str) -> bool:
-    return tag.above == ("robot", *above)
-
-
-def _axes(tags: list[_Tag]) -> Iterator[_Edit]:
-    for tag in tags:
-        axis = numbers_of(tag.values.get("xyz"), 3)
-        if tag.name != "axis" or not _of_robot(tag, "joint") or not axis:
-            continue
-        length = norm((axis[0], axis[1], axis[2]))
-        if length > UNIT and abs(length - 1.0) > UNIT:
-            text = " ".join(format_numbers([value / length for value in axis]))
-            message = f"the axis {shown(tag.values['xyz'])} is {shown(text)}, of length 1"
-            yield _Edit(tag.spans["xyz"], text.encode(), tag, message)
-
-
-def _limits(tags: list[_Tag]) -> Iterator[_Edit]:
-    for tag in tags:
-        ends = [numbers_of(tag.values.get(name), 1) for name in ("lower", "upper")]
-        if tag.name != "limit" or not _of_robot(tag, "joint") or not ends[0] or not ends[1] or ends[0] <= ends[1]:
-            continue
-        message = f"lower {ends[0][0]:g} and upper {ends[1][0]:g} are exchanged"
-        for name, other in (("lower", "upper"), ("upper", "lower")):
-            yield _Edit(tag.spans[name], tag.values[other].encode(), tag, message)
-
-
-def _inertias(tags: list[_Tag]) -> Iterator[_Edit]:
-    """The inertia 0 of a mass becomes that of a ball: I = 2/5·m·r², with m = 4/3·π·r³·ρ."""
+def _numbers(tags: list[_Tag]) -> Iterator[_Edit]:
+    """Axes of length 1, limits in order, and for the inertia 0 of a mass that of a ball."""
     mass: float | None = None
     for tag in tags:
+        number = {name: found[0] for name, text in tag.values.items() if (found := numbers_of(text, 1))}
         if tag.name in {"inertial", "mass"}:
-            found = numbers_of(tag.values.get("value"), 1)
-            mass = found[0] if found else None
-        moments = [numbers_of(tag.values.get(name), 1) for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-        if tag.name != "inertia" or not mass or mass < 0.0 or not _of_robot(tag, "link", "inertial"):
-            continue
-        if any(moment is None or moment[0] for moment in moments):
-            continue
-        moment = 0.4 * mass * (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (2.0 / 3.0)
-        message = f"the inertia 0 of {mass:g} kg is {moment:.6g} kg·m², that of an aluminium ball"
-        for name in ("ixx", "iyy", "izz"):
-            yield _Edit(tag.spans[name], f"{moment:.9g}".encode(), tag, message)
+            mass = number.get("value")
+        match (*tag.above, tag.name):
+            case ("robot", "joint", "axis") if axis := numbers_of(tag.values.get("xyz"), 3):
+                length = norm((axis[0], axis[1], axis[2]))
+                if length > UNIT and abs(length - 1.0) > UNIT:
+                    text = " ".join(format_numbers([value / length for value in axis]))
+                    message = f"the axis {shown(tag.values['xyz'])} is {shown(text)}, of length 1"
+                    yield _Edit(tag.spans["xyz"], text.encode(), tag, message)
+            case ("robot", "joint", "limit") if number.get("lower", -math.inf) > number.get("upper", math.inf):
+                message = f"lower {number['lower']:g} and upper {number['upper']:g} are exchanged"
+                for name, other in (("lower", "upper"), ("upper", "lower")):
+                    yield _Edit(tag.spans[name], tag.values[other].encode(), tag, message)
+            case ("robot", "link", "inertial", "inertia") if mass and mass > 0.0:
+                if all(number.get(name) == 0.0 for name in INERTIA):
+                    # I = 2/5·m·r², with m = 4/3·π·r³·ρ.
+                    moment = 0.4 * mass * (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (2.0 / 3.0)
+                    message = f"the inertia 0 of {mass:g} kg is {moment:.6g} kg·m², that of an aluminium ball"
+                    for name in ("ixx", "iyy", "izz"):
+                        yield _Edit(tag.spans[name], f"{moment:.9g}".encode(), tag, message)
 
 
 def _names(tags: list[_Tag]) -> Iterator[_Edit]:
-    named = (tag for tag in tags if _of_robot(tag) and tag.name in {"link", "joint"})
+    named = (tag for tag in tags if tag.above == ("robot",) and tag.name in {"link", "joint"})
     names = {tag.values["name"] for tag in named if "name" in tag.values}
     taken, renamed = set(names), dict[str, str]()
     for name in sorted(names):

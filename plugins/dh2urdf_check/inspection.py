@@ -1,27 +1,32 @@
-"""Inspects a URDF or a xacro of any origin: what every consumer will do with it, and the robot that can be read."""
+"""Inspects URDF, xacro, SDF and MJCF of any origin: what every consumer will do with it, and the robot in it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
-from dh2urdf.documents import kind_of_file, read_bytes
-from dh2urdf.errors import InputError, ProofError
+from lxml import etree
+
+from dh2urdf.documents import is_file, is_there, kind_of_file, read_bytes
+from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
-from dh2urdf.stages import Expansion, Inspection
-from dh2urdf_check import misread
+from dh2urdf.stages import Expansion, Finding, Inspection
 from dh2urdf_check.document import NotXmlError, parse
-from dh2urdf_check.rules import CONSUMERS, Hit, rules, unread_include
-from dh2urdf_check.urdf import Urdf
-from dh2urdf_plugins.formats.xml_files import LARGEST
+from dh2urdf_check.finders import Document, text_of
+from dh2urdf_check.meshes import is_found_by_pybullet
+from dh2urdf_check.rules import CONSUMERS, Hit, Rule, rules, rules_of, unread_include
+from dh2urdf_check.urdf import Urdf, number_hits
+from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf
+from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
+from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Callable, Mapping
 
-    from lxml import etree
-
-    from dh2urdf.stages import Finding
     from dh2urdf_check.document import Parsed
     from dh2urdf_check.rules import At
     from dh2urdf_plugins.xacro_fence.places import Place
@@ -31,11 +36,7 @@ _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 
 
 def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a URDF.
-
-    Args:
-        path: the file.
-        expansion: the packages where the meshes of its ``package://`` addresses are looked for.
+    """Findings about a URDF; `expansion` has the packages where meshes of ``package://`` addresses are looked for.
 
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
@@ -44,11 +45,7 @@ def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a xacro, as xacro expands it behind a fence.
-
-    Args:
-        path: the file.
-        expansion: the values of its arguments, and the packages that it may read; defaults where it is None.
+    """Findings about a xacro, as xacro expands it behind a fence, with the arguments and packages of an expansion.
 
     Raises:
         InputError: the file cannot be read, or a folder of packages is none.
@@ -61,7 +58,7 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
     except ProofError as error:
         (problem,) = error.problems
         mark = problem.mark or Mark(file=str(path))
-        return _only("xacro-fails", problem.message, replace(mark, line=mark.line or 1))
+        return _only(rules(), CONSUMERS, "xacro-fails", problem.message, replace(mark, line=mark.line or 1))
     return _inspection(path, _PROLOGUE + expanded.content, expansion, expanded.places)
 
 
@@ -75,14 +72,16 @@ def _inspection(
     except NotXmlError as error:
         reason = f"it is {found[0]}" if (found := kind_of_file(content)) else error.reason
         line, column = error.at
-        return _only("not-xml", f"no reader takes this: {reason}", Mark(file=str(path), line=line, column=column))
+        mark = Mark(file=str(path), line=line, column=column)
+        return _only(rules(), CONSUMERS, "not-xml", f"no reader takes this: {reason}", mark)
     origins = _Origins(path, parsed, places)
     document = Urdf(parsed, path, content, origins.said, packages)
-    hits = [*document.hits(rules().values()), *misread.hits(document)]
+    hits = [*document.hits(rules().values()), *number_hits(document)]
     if parsed.complaint is not None:
         reason, at = parsed.complaint
         hits.append(Hit("not-strict-xml", at, reason, frozenset(CONSUMERS)))
-    findings = [origins.finding(hit) for hit in sorted(hits, key=lambda hit: origins.place(hit.at))]
+    hits.sort(key=lambda hit: origins.place(hit.at))
+    findings = [rules()[hit.rule].finding(hit.message, hit.of, *origins.of(hit.at)) for hit in hits]
     for each in parsed.places:
         if str(each.tag).rpartition(".")[2] == "include":
             mark, calls = origins.of(each)
@@ -92,8 +91,10 @@ def _inspection(
     return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
 
 
-def _only(rule: str, message: str, mark: Mark) -> Inspection:
-    return Inspection(consumers=CONSUMERS, findings=(rules()[rule].finding(message, CONSUMERS, mark),))
+def _only(known: Mapping[str, Rule], consumers: Mapping[str, str], rule: str, message: str, mark: Mark) -> Inspection:
+    """An inspection with one finding, about a file of which nothing else can be checked."""
+    finding = known[rule].finding(message, consumers, mark)
+    return Inspection(consumers=consumers, findings=(finding,))
 
 
 class _Origins:
@@ -127,7 +128,133 @@ class _Origins:
         mark = self.of(at)[0]
         return mark.in_file if mark.file == str(self._path) else f"{mark.in_file} of {mark.file}"
 
-    def finding(self, hit: Hit) -> Finding:
-        """A hit as a finding."""
-        mark, calls = self.of(hit.at)
-        return rules()[hit.rule].finding(hit.message, hit.of, mark, calls)
+
+# --- SDF and MJCF -----------------------------------------------------------------------------------------------------
+
+
+MODEL_CONSUMERS = {
+    "sdf": {"gazebo": "Gazebo: sdformat", "drake": "Drake", "pybullet": "PyBullet"},
+    "mjcf": {"mujoco": "MuJoCo", "drake": "Drake", "pybullet": "PyBullet"},
+}
+"""The readers of each format that its rules speak of, by the names that ``--for`` takes."""
+_READ = ("package://", "http://", "https://")
+_OF_OTHERS = ("actor", "gripper", "plugin", "state")
+"""Elements of an SDF whose content is no part of a model, although it may be called so."""
+_IN_SENSOR = ("pose", "sensor")
+_POSITIONS = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
+"""How many positions a joint of MJCF has."""
+
+
+@cache
+def model_rules(name: str) -> dict[str, Rule]:
+    """The rules of a format by name, in the order of their table."""
+    return rules_of(name, MODEL_CONSUMERS[name])
+
+
+def inspect_sdf(path: Path, _expansion: Expansion | None = None) -> Inspection:
+    """Findings about an SDF.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return _inspected(path, "sdf", "sdf", foreign_sdf)
+
+
+def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
+    """Findings about an MJCF.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return _inspected(path, "mjcf", "mujoco", foreign_mjcf)
+
+
+def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Any]) -> Inspection:
+    """Findings about a model whose outermost element is to be `tag`."""
+    content, known, consumers = read_bytes(path, InputError, limit=LARGEST), model_rules(name), MODEL_CONSUMERS[name]
+    try:
+        root = tree_of(content, str(path), is_deep=name == "mjcf")
+    except ProofError as error:
+        (problem,) = error.problems
+        mark = problem.mark or Mark(file=str(path))
+        mark = replace(mark, line=max(mark.line or 1, 1), column=max(mark.column or 1, 1))
+        return _only(known, consumers, f"{name}-not-xml", problem.message, mark)
+    root.set(FILE, str(path))
+    if root.tag != tag:
+        message = f"the outermost element is {root.tag}, not {tag}"
+        return _only(known, consumers, f"{name}-not-{tag}", message, mark_of(root))
+    found = list[Finding]()
+    if name == "mjcf":
+        rule = known["mjcf-missing-include"]
+        for each in include_files(root, path):
+            found.append(rule.finding(each.message, rule.outcomes, mark_of(each.include)))
+    of_format = _of_sdf if name == "sdf" else _of_mjcf
+    document = Document(root, path, of_format(root, path))
+    hits = [*document.hits(known.values())]
+    found += [known[hit.rule].finding(hit.message, hit.of, mark_of(hit.at)) for hit in hits]  # type: ignore[arg-type]  # no rule is of the text
+    missing = {hit.at for hit in hits if hit.rule == "sdf-missing-include"}
+    for element in (*root.iter("{*}include"), *root.iterfind("asset/model")):  # Files of MJCF are in its tree already.
+        uri = element.find("uri")
+        address = uri.text if uri is not None else element.get("file") or element.get("href")
+        if address and (element if uri is None else uri) not in missing:
+            found.append(unread_include(address.strip(), mark_of(element), consumers))
+    found.sort(key=lambda finding: (finding.mark.line or 0) if finding.mark else 0)
+    try:
+        robot = read(path).robot
+    except Dh2UrdfError:  # Findings report what is wrong; a model need not be an arm.
+        robot = None
+    return Inspection(consumers=consumers, findings=tuple(found), robot=robot)
+
+
+def _of_sdf(root: etree._Element, path: Path) -> dict[str, Callable[..., Any]]:
+    """The functions of XPath in the rules of SDF."""
+    of_models: list[etree._Element] = []
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        of_models.append(element)
+        inner = [child for child in element.iterchildren(etree.Element) if child.tag not in _OF_OTHERS]
+        waiting += [child for child in inner if not {":", "{"} & set(str(child.tag))][::-1]
+
+    def parts(_: object, tags: str) -> list[etree._Element]:
+        """The elements of models by their names; of sensors, all of them only where every name is asked for."""
+        names = tags.split()
+        if names == ["*"]:
+            return of_models
+        named = (each for each in of_models if each.tag in names)
+        return [each for each in named if each.tag in _IN_SENSOR or next(each.iterancestors("sensor"), None) is None]
+
+    def included(_: object, uri: Any) -> bool:  # noqa: ANN401 - what XPath has
+        address = text_of(uri)
+        name = address.partition("://")[2] or address
+        beside = any(is_there(folder / name) for folder in (path.parent, path.parent.parent))
+        return address.startswith(_READ) or beside
+
+    return {
+        "parts": parts,
+        "included": included,
+        "found-by-pybullet": lambda _, uri: is_found_by_pybullet(unquote(text_of(uri)), path),
+    }
+
+
+def _of_mjcf(root: etree._Element, path: Path) -> dict[str, Callable[..., Any]]:
+    """The functions of XPath in the rules of MJCF."""
+    compiler = compiler_of(root)
+    folder = path.parent / (compiler.get("meshdir") or compiler.get("assetdir") or "")
+
+    def asset(_: object, file: Any) -> bool:  # noqa: ANN401 - what XPath has
+        name = text_of(file)
+        name = Path(name).name if compiler.get("strippath") == "true" else name
+        return is_file(folder / name)
+
+    def positions(_: object) -> float:
+        joints = [each for each in root.iterfind("worldbody//joint") if each.getparent() is not None]
+        free = len(root.findall("worldbody//freejoint"))
+        return float(7 * free + sum(_POSITIONS.get(joint.get("type", "hinge"), 1) for joint in joints))
+
+    stems = {Path(mesh.get("file") or "").stem for mesh in root.iterfind("asset/mesh") if not mesh.get("name")}
+    return {
+        "asset": asset,
+        "positions": positions,
+        "names-a-file": lambda _, name: text_of(name) in stems,
+    }

@@ -1,4 +1,4 @@
-"""What is in a mesh file: whether there is a mesh in it, how large it is, and what the header of a COLLADA file says.
+"""Where readers look for mesh files, and what is in them: a mesh, how large it is, and the header of a COLLADA file.
 
 A first look finds what is plain: a binary STL is a table of numbers, an OBJ has lines of vertices and faces, and a
 COLLADA file its numbers in XML. Where that look finds something odd, or a size that no link has, trimesh reads the
@@ -9,6 +9,7 @@ what is odd stays unknown.
 from __future__ import annotations
 
 import math
+import os
 import re
 import struct
 from pathlib import Path
@@ -16,13 +17,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
-from dh2urdf.documents import ForbiddenXmlError, xml_root
+from dh2urdf.documents import ForbiddenXmlError, is_file, is_folder, xml_root
 from dh2urdf.errors import CrashError
 from dh2urdf.isolation import Data, enter, run_in_child
 from dh2urdf.isolation.fence import refuse_without_wall
+from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from dh2urdf.rotations import Vec3
 
@@ -45,37 +47,19 @@ LONGEST = 50.0
 
 
 class MeshFile(NamedTuple):
-    """What a file holds.
+    """What is known of a file."""
 
-    Attributes:
-        problem: why no mesh can be read from it; empty where one can, or may.
-        sides: its extents along x, y and z in its own frame, in its own unit; None where they are not known.
-        is_planar: whether all its corners are in one plane.
-        triangles: how many an STL has; of other files, 0.
-        is_text: whether it is an STL of text.
-        unit: the unit of a COLLADA file [m].
-        header: what PyBullet cannot take of the header of a COLLADA file; empty where there is nothing.
-        has_faces: whether a first look found faces.
-        is_odd: whether a first look did not settle it.
-    """
-
-    problem: str = ""
-    sides: Vec3 | None = None
-    is_planar: bool = False
-    triangles: int = 0
-    is_text: bool = False
-    unit: float = 1.0
-    header: str = ""
-    has_faces: bool = False
-    is_odd: bool = False
-
-
-class Measured(NamedTuple):
-    """What trimesh reads of a file: its extents, and whether it is flat; or why it reads none."""
-
-    problem: str
-    sides: list[float]
-    is_planar: bool
+    problem: str = ""  # why no mesh can be read from it; empty where one can, or may
+    sides: tuple[float, float, float] | None = (
+        None  # its extents along x, y and z in its own frame and unit, where they are known
+    )
+    is_planar: bool = False  # whether all its corners are in one plane
+    triangles: int = 0  # how many a binary STL has
+    is_text: bool = False  # whether it is an STL of text
+    unit: float = 1.0  # of a COLLADA file [m]
+    header: str = ""  # what PyBullet cannot take of the header of a COLLADA file
+    has_faces: bool = False  # whether a first look at a COLLADA file found faces
+    is_odd: bool = False  # whether a first look did not settle it
 
 
 def read_meshes(paths: Iterable[Path]) -> dict[Path, MeshFile]:
@@ -83,17 +67,14 @@ def read_meshes(paths: Iterable[Path]) -> dict[Path, MeshFile]:
     found: dict[Path, MeshFile] = {}
     left: dict[Path, bytes] = {}
     for path in paths:
-        if path.suffix.lower() not in _READ or path.stat().st_size > LARGEST:
-            continue
-        content = path.read_bytes()
-        file = found[path] = _at_first_sight(content, path.suffix.lower())
-        if not file.problem and file.is_odd:
-            left[path] = content
-    for path, measured in _measured(left).items():
-        sides = measured.sides
-        problem = "" if found[path].has_faces else measured.problem  # trimesh knows less of COLLADA than readers do.
-        known = found[path]._replace(problem=problem, is_planar=measured.is_planar)
-        found[path] = known._replace(sides=(sides[0], sides[1], sides[2]) if sides else None)
+        if path.suffix.lower() in _READ and path.stat().st_size <= LARGEST:
+            content = path.read_bytes()
+            found[path] = _at_first_sight(content, path.suffix.lower())
+            if found[path].is_odd and not found[path].problem:
+                left[path] = content
+    for path, each in _measured(left).items():
+        problem = "" if found[path].has_faces else each.problem  # trimesh knows less of COLLADA than readers do.
+        found[path] = found[path]._replace(problem=problem, sides=each.sides, is_planar=each.is_planar)
     return found
 
 
@@ -181,7 +162,7 @@ def _largest(root: etree._Element, tag: str) -> float:
 # --- What trimesh reads -----------------------------------------------------------------------------------------------
 
 
-def _measured(files: dict[Path, bytes]) -> dict[Path, Measured]:
+def _measured(files: dict[Path, bytes]) -> dict[Path, MeshFile]:
     """What trimesh reads of some files, in a child behind the fence; nothing where it cannot be asked."""
     if not files:
         return {}
@@ -191,15 +172,13 @@ def _measured(files: dict[Path, bytes]) -> dict[Path, Measured]:
         return {}
     given = [(content, path.suffix.lower()) for path, content in files.items()]
     try:
-        answer = run_in_child(
-            _behind_fence, given, timeout=_SECONDS, who="trimesh", encoding=Data(list[Measured])
-        ).value
+        answer = run_in_child(_behind_fence, given, timeout=_SECONDS, who="trimesh", encoding=Data(list[MeshFile]))
     except (ImportError, MemoryError, CrashError):
         return {}
-    return dict(zip(files, answer, strict=True))
+    return dict(zip(files, answer.value, strict=True))
 
 
-def _behind_fence(files: list[tuple[bytes, str]]) -> list[Measured]:
+def _behind_fence(files: list[tuple[bytes, str]]) -> list[MeshFile]:
     """Measure files in this process, which can do nothing else from then on."""
     import numpy as np
     import trimesh
@@ -210,7 +189,7 @@ def _behind_fence(files: list[tuple[bytes, str]]) -> list[Measured]:
         sample = trimesh.creation.box().export(file_type=suffix[1:])
         load_scene(sample.encode() if isinstance(sample, str) else sample, suffix, process=False)
     enter([Path(__file__).parent], _SECONDS)
-    found: list[Measured] = []
+    found: list[MeshFile] = []
     for content, suffix in files:
         try:
             scene = load_scene(content, suffix, process=False)
@@ -220,13 +199,10 @@ def _behind_fence(files: list[tuple[bytes, str]]) -> list[Measured]:
                 if len(getattr(scene.geometry[name], "faces", ()))
             ]
         except Exception as error:  # noqa: BLE001 - what a reader of other people's files raises is anything
-            found.append(Measured(f"it cannot be read: {error!s:.100}", [], is_planar=False))
+            found.append(MeshFile(f"it cannot be read: {error!s:.100}"))
             continue
-        if not placed:
-            found.append(Measured("it has no triangles", [], is_planar=False))
-            continue
-        sides, is_planar = _extents(np.concatenate(placed))
-        found.append(Measured("", list(sides or ()), is_planar))
+        sides, is_planar = _extents(np.concatenate(placed)) if placed else (None, False)
+        found.append(MeshFile("" if placed else "it has no triangles", sides, is_planar))
     return found
 
 
@@ -241,3 +217,35 @@ def _extents(corners: Any) -> tuple[Vec3 | None, bool]:  # noqa: ANN401 - an arr
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False, full_matrices=False)
     x, y, z = (float(side) for side in high - low)
     return (x, y, z), bool(spread[-1] <= _FLAT * max(spread[0], 1e-300) * math.sqrt(len(corners)))
+
+
+# --- Where readers look for the files that a description names --------------------------------------------------------
+
+
+_MODEL = "model://"
+
+
+def resolved(address: str, description: Path, packages: Mapping[str, Path]) -> Path | None:
+    """The file that an address means, whether there is one or not; None where its package is not found."""
+    folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
+    if not address.startswith(PACKAGE):
+        return folder / path_of_address(address)
+    package, _, rest = address.removeprefix(PACKAGE).partition("/")
+    if not package:
+        return None
+    searched = [place for inner in (folder, *folder.parents) for place in (inner, inner.parent / package)]
+    for variable, below in (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
+        searched += [Path(each, below, package) for each in os.environ.get(variable, "").split(os.pathsep) if each]
+    found = [place / rest for place in searched if place.name == package and is_folder(place)]
+    if package in packages:
+        found.append(packages[package] / rest)
+    return next((file for file in found if is_file(file)), found[0] if found else None)
+
+
+def is_found_by_pybullet(address: str, description: Path) -> bool:
+    """PyBullet knows no packages: it looks for the path behind `package://` in the folder and in all above it."""
+    if address.startswith(FILE):
+        address = path_of_address(address)
+    rest = address.removeprefix(PACKAGE).removeprefix(_MODEL).lstrip("/")
+    folder = Path(os.path.abspath(description)).parent  # noqa: PTH100 - links in the path stay
+    return is_file(Path(address)) or any(is_file(above / rest) for above in (folder, *folder.parents))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+
 _DECIMAL = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _WHOLE = re.compile(rf"\s*({_DECIMAL})", re.ASCII)
 _STREAM = re.compile(rf"\s*({_DECIMAL})(?![0-9]*[eE][-+]?(?![0-9]))", re.ASCII)
@@ -61,17 +62,14 @@ def mujoco_numbers(text: str, count: int) -> Numbers | None:
     words = text.split()
     if len(words) != count or not all(_STRTOD.fullmatch(word) for word in words):
         return None
-    numbers = tuple(map(_of_strtod, words))
+    numbers: list[float] = []
+    for word in words:
+        try:
+            numbers.append(float.fromhex(word) if "x" in word.lower() else float(word.partition("(")[0]))
+        except OverflowError:
+            numbers.append(math.inf)
     overflows = any(math.isinf(n) and "i" not in word.lower() for n, word in zip(numbers, words, strict=True))
-    return None if overflows else numbers
-
-
-def _of_strtod(word: str) -> float:
-    """The value of a word that `_STRTOD` matches."""
-    try:
-        return float.fromhex(word) if "x" in word.lower() else float(word.partition("(")[0])
-    except OverflowError:
-        return math.inf
+    return None if overflows else tuple(numbers)
 
 
 READ_BY: dict[str, Callable[[str, int], Numbers | None]] = {

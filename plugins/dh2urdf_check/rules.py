@@ -5,7 +5,7 @@ They are in the folder ``rules`` beside this module, a file a group; the pages i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from difflib import get_close_matches
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -13,17 +13,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import yaml
 
-from dh2urdf.source import shown
+from dh2urdf.errors import ConfigError
+from dh2urdf.plugin_system.options import COMMAND_LINE
+from dh2urdf.source import Problem, did_you_mean, shown
 from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence  # noqa: TC004 - no annotation is evaluated
+    from collections.abc import Collection, Mapping, Sequence
 
     from lxml import etree
 
     from dh2urdf.source import Mark
     from dh2urdf.stages import Severity
 
+_TABLES = Path(__file__).with_name("rules")
 CONSUMERS = {
     "pybullet": "PyBullet",
     "mujoco": "MuJoCo",
@@ -42,19 +45,12 @@ At: TypeAlias = "etree._Element | tuple[int, int]"  # noqa: SLF001 - the type th
 
 
 class Hit(NamedTuple):
-    """A place where a rule is broken.
-
-    Attributes:
-        rule: its name.
-        at: the place.
-        message: what is there.
-        of: the consumers that it matters to.
-    """
+    """A place where a rule is broken."""
 
     rule: str
     at: At
     message: str
-    of: frozenset[str]
+    of: frozenset[str]  # the consumers that it matters to
 
 
 class Outcome(StrEnum):
@@ -76,48 +72,27 @@ class Outcome(StrEnum):
         return "warning" if self in {Outcome.ALTERS, Outcome.WARNS, Outcome.DOUBTFUL} else "error"
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
-    """One way in which a rule is broken.
+class Case(NamedTuple):
+    """One way in which a rule is broken."""
 
-    Attributes:
-        at: the XPath of the elements that are looked at.
-        verb: the verb that says what is wrong with them, one of `dh2urdf_check.finders.VERBS`.
-        argument: what the verb needs.
-        says: the message, with XPaths in braces.
-        of: the consumers that it matters to; all of the rule where there is none.
-    """
-
-    at: str
-    verb: str
-    argument: Any
-    says: str
-    of: frozenset[str]
+    at: str  # the XPath of the elements that are looked at
+    verb: str  # what is wrong with them, one of `dh2urdf_check.finders.VERBS`
+    argument: Any  # what the verb needs
+    says: str  # the message, with XPaths in braces
+    of: frozenset[str]  # the consumers that it matters to; all of the rule where there is none
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
-    """One rule.
-
-    Attributes:
-        name: its name, which stays.
-        fault: what is at fault where it is broken.
-        fix: what to do about it.
-        outcomes: what becomes of the file, by consumer; one that is not named takes it as it stands.
-        effects: the same as findings say it.
-        where: by consumer, the XPath of the elements that it minds; empty where it minds all.
-        cases: how it is found; none of a rule that a function finds.
-        proof: a substitution in a sound file that breaks the rule, for its test; empty where the tests have it.
-    """
+class Rule(NamedTuple):
+    """A fault, what to do about it, and what each consumer does with a file that has it."""
 
     name: str
     fault: str
     fix: str
-    outcomes: dict[str, Outcome]
-    effects: tuple[Effect, ...]
-    where: dict[str, str]
-    cases: tuple[Case, ...] = ()
-    proof: Mapping[str, Any] = field(default_factory=dict)
+    outcomes: dict[str, Outcome]  # by consumer; one that is not named takes the file as it stands
+    effects: tuple[Effect, ...]  # the same as findings say it
+    where: dict[str, str]  # by consumer, the XPath of the elements that it minds; empty where it minds all
+    cases: tuple[Case, ...]  # how it is found; none of a rule that a function finds
+    proof: Mapping[str, Any]  # a substitution in a sound file that breaks the rule; empty where the tests have it
 
     def finding(self, message: str, of: Collection[str], mark: Mark, calls: tuple[Mark, ...] = ()) -> Finding:
         """A finding of this rule, which matters to some consumers."""
@@ -143,8 +118,8 @@ def rules_of(group: str, known: Mapping[str, str] = CONSUMERS) -> dict[str, Rule
 @cache
 def table(name: str) -> dict[str, Any]:
     """A file of the folder ``rules``."""
-    path = Path(__file__).with_name("rules") / f"{name}.yaml"
-    found: dict[str, Any] = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
+    text = (_TABLES / f"{name}.yaml").read_text("utf-8")
+    found: dict[str, Any] = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # noqa: S506 - both are safe
     return found
 
 
@@ -166,16 +141,9 @@ def _rule(
         for consumer in known
         if consumer in consumers
     )
-    return Rule(
-        name=name,
-        fault=fault,
-        fix=fix,
-        outcomes=outcomes,
-        effects=effects,
-        where={consumer: "".join(words[2:]) for consumer, words in consumers.items()},
-        cases=tuple(_case(**each) for each in (*cases, *([case] if case else []))),
-        proof=proof or {},
-    )
+    where = {consumer: "".join(words[2:]) for consumer, words in consumers.items()}
+    found = tuple(_case(**each) for each in (*cases, *([case] if case else [])))
+    return Rule(name, fault, fix, outcomes, effects, where, found, proof or {})
 
 
 def _case(*, says: str, at: str = "", of: Sequence[str] = (), **words: Any) -> Case:  # noqa: ANN401 - what YAML has
@@ -192,14 +160,7 @@ def _case(*, says: str, at: str = "", of: Sequence[str] = (), **words: Any) -> C
 def unread_include(
     address: str | None, mark: Mark, consumers: Mapping[str, str], calls: tuple[Mark, ...] = ()
 ) -> Finding:
-    """What `check` does not look into: a file that the one that is inspected includes.
-
-    Args:
-        address: what the file says for it.
-        mark: where.
-        consumers: those of the format, which may look into it.
-        calls: where macros are called that it comes from.
-    """
+    """What `check` does not look into: a file that the one that is inspected includes, by the address that it gives."""
     does = "may load it, and this file was checked without it"
     return Finding(
         rule="unread-include",
@@ -209,3 +170,51 @@ def unread_include(
         mark=mark,
         calls=calls,
     )
+
+
+# --- `--explain RULE`, and the rules of a SARIF log -------------------------------------------------------------------
+
+
+@cache
+def tables() -> dict[str, tuple[Path, dict[str, Any]]]:
+    """Every rule by its name: the table that has it, and its entry there."""
+    return {
+        name: (path, entry)
+        for path in sorted(_TABLES.glob("*.yaml"))
+        for name, entry in table(path.stem).items()
+        if isinstance(entry, dict) and "fault" in entry
+    }
+
+
+def explanation(name: str) -> str:
+    """What a rule means, what each consumer does with a file that breaks it, and what to do.
+
+    Raises:
+        ConfigError: there is no such rule.
+    """
+    if name not in tables():
+        near = did_you_mean(name, get_close_matches(name, tables(), n=1))
+        message = f"no rule {shown(name)} is known"
+        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, field="--explain", suggestion=near))
+    _, entry = tables()[name]
+    together: dict[str, list[str]] = {}
+    for consumer, (outcome, does, *_) in entry.get("consumers", {}).items():
+        together.setdefault(f"{does} ({outcome})", []).append(consumer)
+    lines = [f"{name}: {entry['fault']}"]
+    lines += [f"    {', '.join(consumers)}: {does}" for does, consumers in together.items()]
+    lines += [f"    seen in a program ({entry['severity']})"] if "severity" in entry else []
+    return "\n".join([*lines, f"    fix: {entry['fix']}", f"    {address_of(name)}"])
+
+
+def address_of(name: str) -> str | None:
+    """The address of the page that explains a rule; without a published source, that of its table on this machine."""
+    if name not in tables():
+        return None
+    import importlib.metadata
+
+    path, _ = tables()[name]
+    urls = importlib.metadata.metadata("dh2urdf").get_all("Project-URL") or ()
+    known = dict(each.partition(", ")[::2] for each in urls)
+    if source := known.get("Source"):
+        return f"{source.rstrip('/')}/docs/rules/{path.stem}.md#{name}"
+    return f"{path.as_uri()}#{name}"

@@ -11,16 +11,16 @@ from lxml import etree
 from dh2urdf.documents import is_file
 from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import WORLD
-from dh2urdf_check.addresses import is_found_by_pybullet, resolved
-from dh2urdf_check.bodies import Bodies, half_sizes, implausible, is_refused_by_mujoco, law, tensor_of
+from dh2urdf.source import shown
 from dh2urdf_check.document import without_comments
 from dh2urdf_check.finders import Document, text_of
-from dh2urdf_check.links import MOVING, Links
-from dh2urdf_check.meshes import MeshFile, read_meshes
-from dh2urdf_check.numbers import READ_BY, begun_numbers, numbers_of
+from dh2urdf_check.links import MOVING, Bodies, Links, half_sizes, implausible, is_refused_by_mujoco, law, tensor_of
+from dh2urdf_check.meshes import MeshFile, is_found_by_pybullet, read_meshes, resolved
+from dh2urdf_check.numbers import READ_BY, begun_numbers, drake_numbers, mujoco_numbers, numbers_of, urdfdom_numbers
+from dh2urdf_check.rules import Hit, table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
     from pathlib import Path
 
     from dh2urdf_check.document import Parsed
@@ -31,12 +31,7 @@ _MOST_BYTES = 2**27
 
 
 class Urdf(Document):
-    """A URDF.
-
-    Attributes:
-        links: its links and joints.
-        bodies: what moves as one body.
-    """
+    """A URDF: its links and joints, what moves as one body, and the files that it names."""
 
     def __init__(
         self,
@@ -118,7 +113,7 @@ class Urdf(Document):
             "law": of_element(lambda at: "" if (tensor := tensor_of(at)) is None else law(tensor)),
             "is-sound": of_element(lambda at: (tensor := tensor_of(at)) is not None and not law(tensor), missing=False),
             "moments": of_element(_moments),
-            "no-body": of_element(lambda at: is_refused_by_mujoco(at, moves=kind_above(_link_of(at)) in MOVING)),
+            "no-body": lambda _, found, moves: bool(found) and is_refused_by_mujoco(found[0], moves=moves),
             "least-size": self._least_size,
             "sides": of_element(lambda at: 2.0 * max(half_sizes(at) or (0.0,)), 0.0),
             "static": lambda _, name: text_of(name) in static,
@@ -146,7 +141,7 @@ class Urdf(Document):
         return any(each.find("inertial") is None and each.find("collision") is not None for each in found)
 
     def _law_of_merged(self, name: str) -> str:
-        body = self.bodies.merged(self.links.body(self.links.heads[name]))
+        body = self.bodies.merged(tuple(self.links.body(self.links.heads[name])))
         return "" if body is None else law(body.inertia)
 
     def _least_size(self, context: Any, reader: str) -> float:  # noqa: ANN401 - what XPath has
@@ -199,11 +194,6 @@ class Urdf(Document):
         return max(abs(file.unit * side * factor) for side, factor in zip(sides, factors, strict=True))
 
 
-def _link_of(inertia: etree._Element) -> str:
-    holder = next(inertia.iterancestors("link"), None)
-    return "" if holder is None else holder.get("name") or ""
-
-
 def _moments(inertia: etree._Element) -> str:
     """The principal moments of an inertia, as a sentence has them."""
     tensor = tensor_of(inertia)
@@ -218,3 +208,60 @@ def _colour(material: etree._Element) -> str:
     colour, texture = material.find("color"), material.find("texture")
     numbers = begun_numbers((colour.get("rgba") if colour is not None else None) or "")
     return f"{numbers} {texture.get('filename') if texture is not None else None}"
+
+
+# --- What each reader does with a text that is no plain number --------------------------------------------------------
+
+
+_URDFDOM = frozenset({"pinocchio", "ros", "gazebo"})
+"""The readers that have urdfdom."""
+_ALL = frozenset({"pybullet", "mujoco", "drake"}) | _URDFDOM
+
+
+def number_hits(document: Urdf) -> Iterator[Hit]:
+    """Findings about every number at the places of ``rules/numbers.yaml``."""
+    for place in table("numbers")["places"]:
+        for element in document.select(place["at"]):
+            for attribute, count in place["numbers"].items():
+                text = element.get(attribute)
+                if text is None:
+                    continue
+                if numbers_of(text, count) is None or urdfdom_numbers(text, count) is None:
+                    yield from _misread(document, element, place, attribute, count)
+                if place.get("alone") and text != text.strip() and numbers_of(text, 1):
+                    message = f"{attribute} of {element.tag} is {shown(text)}, with blanks around the number"
+                    yield Hit("misread-number", element, message, frozenset({"coppeliasim"}))
+
+
+def _misread(
+    document: Urdf, element: etree._Element, place: dict[str, str], attribute: str, count: int
+) -> Iterator[Hit]:
+    """What each reader that reads an attribute does with it, which is not plain numbers."""
+    text = element.get(attribute) or ""
+
+    def holds(path: str | None) -> bool:
+        return path is not None and bool(document.select(f"boolean({path})", element))
+
+    readers = _ALL - {reader for reader in _ALL if holds(place.get(f"not read by {reader}"))}
+    readers = _URDFDOM if "urdfdom alone" in place else readers
+    is_required, is_plain = "required" in place, numbers_of(text, count) is not None
+    refused = set(_URDFDOM) if urdfdom_numbers(text, count) is None and "in a joint" in place else set()
+    if not is_plain:
+        if (mujoco_numbers(text, count) is None and (is_required or text.strip())) or holds(place.get("no body")):
+            refused.add("mujoco")
+        if drake_numbers(text, 0 if attribute == "scale" else count) is None:
+            refused.add("drake")
+        if element.tag == "axis" and len([word for word in text.split(" ") if word]) < count:
+            refused.add("pybullet")
+    refused &= readers
+    kind, what = ("number", "one finite number") if count == 1 else ("vector", f"{count} finite numbers")
+    what = ": urdfdom takes blanks between numbers alone" if is_plain else f", not {what}"
+    message = f"{attribute} of {element.tag} is {shown(text)}{what}"
+    of_all = {"coppeliasim"} if not is_plain and readers & {"pybullet", "drake"} else set()
+    if refused or (of_all and kind == "number"):
+        yield Hit(f"invalid-{kind}", element, message, frozenset(refused | of_all))
+        of_all = set()
+    misread = readers - refused - (set() if urdfdom_numbers(text, count) is None else _URDFDOM)
+    misread &= _URDFDOM if is_plain else _ALL
+    if misread:
+        yield Hit(f"misread-{kind}", element, message, frozenset(misread | of_all))

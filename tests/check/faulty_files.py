@@ -6,7 +6,7 @@ import struct
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf_check.models import model_rules
+from dh2urdf_check.inspection import model_rules
 from dh2urdf_check.rules import rules
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import dh2urdf
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Question
 from dh2urdf_check.ask import urdfdom
-from dh2urdf_check.ask.asking import Asked, Asking, programs
+from dh2urdf_check.ask.asking import Asked, answering, programs
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -291,8 +291,8 @@ def test_a_program_is_behind_the_fence(tmp_path: Path) -> None:
     ends = []
     for readable in ((path.parent,), (path.parent, tmp_path / "elsewhere")):
         question = Question(path=path, format="urdf")
-        with Asking(programs(load(), ["mujoco"]), [Asked(question, readable)]) as at_work:
-            ((answer,),) = at_work.answers()
+        with answering(programs(load(), ["mujoco"]), [Asked(question, readable)]) as answers:
+            ((answer,),) = answers
         ends.append(answer.end)
     assert ends == ["refuses", "loads"]
 

@@ -14,7 +14,7 @@ from consumers import behaviours, require
 from faulty_files import MJCF, MODEL_PROOFS as PROOFS, SDF, SOUND_OF as SOUND, line_of, write_models
 from lxml import etree
 
-from dh2urdf_check.models import CONSUMERS, inspect_mjcf, inspect_sdf, model_rules
+from dh2urdf_check.inspection import MODEL_CONSUMERS as CONSUMERS, inspect_mjcf, inspect_sdf, model_rules
 from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:

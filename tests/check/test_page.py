@@ -14,8 +14,7 @@ from lxml import etree
 from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_check.ask.findings import seen_rules
 from dh2urdf_check.command import command
-from dh2urdf_check.inspection import inspect_urdf
-from dh2urdf_check.models import CONSUMERS as MODEL_CONSUMERS, model_rules
+from dh2urdf_check.inspection import MODEL_CONSUMERS, inspect_urdf, model_rules
 from dh2urdf_check.packages.package import CONSUMERS as PACKAGE_CONSUMERS, package_rules
 from dh2urdf_check.rules import CONSUMERS, GROUPS, rules_of
 

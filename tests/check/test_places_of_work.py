@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 import yaml
 
-from dh2urdf_check.explaining import address_of, tables
+from dh2urdf_check.rules import address_of, tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable

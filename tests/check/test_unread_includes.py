@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from dh2urdf_check.inspection import inspect_urdf, inspect_xacro
-from dh2urdf_check.models import inspect_mjcf, inspect_sdf
+from dh2urdf_check.inspection import inspect_mjcf, inspect_sdf, inspect_urdf, inspect_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

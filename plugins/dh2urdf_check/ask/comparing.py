@@ -16,9 +16,9 @@ from dh2urdf.stages.foreign_robot import following, with_followers
 from dh2urdf_plugins.loaders.measures import carriers, lumped_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
 
-    from dh2urdf.robot import Geometry, Joint, Robot
+    from dh2urdf.robot import Geometry, Robot
     from dh2urdf.stages import HeldRobot, Question
     from dh2urdf.stages.foreign_robot import ForeignRobot
 
@@ -38,35 +38,26 @@ _WITHOUT_END = 1e9
 
 
 class Difference(NamedTuple):
-    """Something that a program has otherwise than the file.
+    """Something that a program has otherwise than the file."""
 
-    Attributes:
-        rule: its kind, a rule of ``rules/seen.yaml``.
-        name: the link or joint that it is about.
-        text: what the program does, as a sentence whose subject it is.
-    """
-
-    rule: str
-    name: str
-    text: str
+    rule: str  # its kind, of rules/seen.yaml
+    name: str  # the link or joint that it is about
+    text: str  # what the program does, as a sentence whose subject it is
 
 
 def postures(own: ForeignRobot) -> tuple[dict[str, float], ...]:
     """The joint vectors at which poses are compared, the first at rest; within the limits, and joints follow others."""
-    chance, followers = random.Random(0), following(own.followers, [joint.name for joint in own.robot.moving_joints])  # noqa: S311 - the same in every run
-    found = []
+    chance, joints = random.Random(0), own.robot.moving_joints  # noqa: S311 - the same in every run
+    followers, found = following(own.followers, [joint.name for joint in joints]), []
     for number in range(POSTURES):
-        values = {joint.name: _value(joint, chance.random() if number else None) for joint in own.robot.moving_joints}
+        values = {}
+        for joint in joints:
+            lower, upper = joint.limits.lower, joint.limits.upper
+            if lower is None or upper is None or not lower <= upper:
+                lower, upper = (-1.0, 1.0) if joint.type is JointType.PRISMATIC else (-math.pi, math.pi)
+            values[joint.name] = lower + chance.random() * (upper - lower) if number else min(max(0.0, lower), upper)
         found.append({name: float(value) for name, value in with_followers(values, followers).items()})
     return tuple(found)
-
-
-def _value(joint: Joint, share: float | None) -> float:
-    """A value of a joint within its limits; the one nearest to 0 where `share` is None."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if lower is None or upper is None or not lower <= upper:
-        lower, upper = (-1.0, 1.0) if joint.type is JointType.PRISMATIC else (-math.pi, math.pi)
-    return min(max(0.0, lower), upper) if share is None else lower + share * (upper - lower)
 
 
 def differences(own: ForeignRobot, held: HeldRobot, question: Question) -> list[Difference]:
@@ -90,8 +81,7 @@ def _links(robot: Robot, held: HeldRobot) -> Iterator[Difference]:
         if link.name in fixed or (link.name == robot.root and (link.name not in held_by_fixed or held.links)):
             into = "the world" if link.name == robot.root else "the link that holds it"
             text = f"merges it into {into}: there is no link of this name"
-            weighs = link.inertial is not None and link.inertial.mass > 0.0
-            if link.name == robot.root and weighs and link.inertial is not None:
+            if link.name == robot.root and link.inertial is not None and link.inertial.mass > 0.0:
                 total = sum(each.inertial.mass for each in robot.links if each.inertial)
                 text += f", and {link.inertial.mass:g} of {total:g} kg are gone"
             rule = "seen-lost-root" if link.name == robot.root else "seen-merged-link"
@@ -170,32 +160,21 @@ def _poses(robot: Robot, held: HeldRobot, question: Question) -> Iterator[Differ
     elsewhere: dict[str, str] = {}
     for number, values in enumerate(question.postures):
         wanted = link_poses(robot, values)
-        found = {name: _transform(frames[number]) for name, frames in held.frames.items() if number < len(frames)}
+        found = {name: frames[number] for name, frames in held.frames.items() if number < len(frames)}
         known = [name for name in wanted if name in found]
         if not known:
             return
-        to_first = found[known[0]].inverse
-        to_first_wanted = wanted[known[0]].inverse
+        a, b, c, x, d, e, f, y, g, h, i, z, *_ = found[known[0]]
+        first, to_first = RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z)), wanted[known[0]].inverse
         for name in known:
-            own = to_first_wanted @ wanted[name]
-            distance, angle = pose_error(to_first @ found[name], _matrix(own))
+            own = to_first @ wanted[name]
+            distance, angle = pose_error(first @ own, found[name])
             far = distance > NEAR * max(1.0, math.hypot(*own.translation)) or angle > 10 * NEAR
             if far and name not in elsewhere:
                 elsewhere[name] = f"has it {distance:.3g} m and {angle:.3g} rad away from where the file puts it"
     for name, text in elsewhere.items():
         if parents.get(name) not in elsewhere:
             yield Difference("seen-pose", name, text)
-
-
-def _transform(rows: Sequence[float]) -> RigidTransform:
-    a, b, c, x, d, e, f, y, g, h, i, z, *_ = rows
-    return RigidTransform((a, b, c, d, e, f, g, h, i), (x, y, z))
-
-
-def _matrix(frame: RigidTransform) -> tuple[float, ...]:
-    a, b, c, d, e, f, g, h, i = frame.rotation
-    x, y, z = frame.translation
-    return (a, b, c, x, d, e, f, y, g, h, i, z, 0.0, 0.0, 0.0, 1.0)
 
 
 def _shapes(own: ForeignRobot, held: HeldRobot) -> Iterator[Difference]:
@@ -230,11 +209,8 @@ def _lengths(geometry: Geometry) -> tuple[float, ...]:
 def unlike_meshes(robot: Robot, told: Mapping[str, HeldRobot]) -> Iterator[tuple[str, Difference]]:
     """Meshes that programs take for unlike sizes, as they do with a unit that one of them follows: with the program.
 
-    A mesh file is not read here: the programs are compared with the first of them that tells the size.
-
-    Args:
-        robot: our own reading of the file.
-        told: what each program made of it, by name.
+    A mesh file is not read here: `told`, the robots that programs made of the file, by their names, are compared with
+    the first of them that tells the size.
     """
     meshes = {
         (link.name, word): count

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -19,46 +19,33 @@ from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
-from dh2urdf_check.ask.asking import Answer, Asked, Asking, programs
+from dh2urdf_check.ask.asking import Answer, Asked, answering, programs
 from dh2urdf_check.ask.comparing import Difference, differences, postures, unlike_meshes
 from dh2urdf_check.ask.places import JOINT, LINKS, Places, owner_of
 from dh2urdf_check.rules import table
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from lxml import etree
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
-    from dh2urdf.stages import Emitter, HeldRobot, Inspection, Severity
+    from dh2urdf.stages import Emitter, Inspection, Severity
 
-_UNCOMPARED = frozenset(
-    {
-        *("dynamics", "safety_controller", "calibration", "transmission", "gazebo", "sensor", "ros2_control"),
-        *("material", "color", "texture", "mesh"),
-    }
-)
+_UNCOMPARED = {"dynamics", "safety_controller", "calibration", "transmission", "gazebo", "sensor", "ros2_control"}
+_UNCOMPARED |= {"material", "color", "texture", "mesh"}
 """Elements whose effects nobody can see in what the programs tell, other than that the file is refused."""
-_OF_JOINTS = frozenset({"seen-lost-joint", "seen-joint-type", "seen-axis", "seen-limit", "seen-mimic"})
+_OF_JOINTS = {"seen-lost-joint", "seen-joint-type", "seen-axis", "seen-limit", "seen-mimic"}
 _ADDRESS = re.compile(
     rb"(?:filename|file|meshdir|assetdir|texturedir)\s*=\s*[\"']([^\"'<>]+)[\"']|<uri>\s*([^<]+?)\s*</uri>"
 )
-
-
 _PACKAGE = re.compile(rb"package://(\w[^/\"'<>\s]*)/")
 
 
 class SeenRule(NamedTuple):
-    """A kind of fact, as ``rules/seen.yaml`` has it.
-
-    Attributes:
-        severity: how bad it is.
-        fault: what it is.
-        fix: what to do about it.
-        at: the elements that it is about; empty for all of a link or joint.
-    """
+    """A kind of fact, as ``rules/seen.yaml`` has it; `at` are the elements that it is about, all where it is empty."""
 
     severity: Severity
     fault: str
@@ -72,32 +59,14 @@ def seen_rules() -> dict[str, SeenRule]:
     return {name: SeenRule(**entry) for name, entry in table("seen").items()}
 
 
-class Given(NamedTuple):
-    """A file of the command, as programs are given it.
-
-    Attributes:
-        path: as the user named it.
-        places: its elements.
-        own: our own reading of it; None where it has none.
-        asked: what the programs get.
-    """
-
-    path: Path
-    places: Places
-    own: ForeignRobot | None
-    asked: Asked
-
-
 class Seen(NamedTuple):
-    """What was seen of one file.
+    """A file of the command, and what was seen of it."""
 
-    Attributes:
-        given: the file.
-        answers: what each program made of it.
-    """
-
-    given: Given
-    answers: tuple[Answer, ...]
+    path: Path  # as the user named it
+    places: Places
+    own: ForeignRobot | None  # our own reading of it, where there is one
+    asked: Asked
+    answers: tuple[Answer, ...] = ()
 
     def beside(self, foretold: Sequence[Finding]) -> list[Finding]:
         """The findings about the file, see `seen_findings`."""
@@ -106,29 +75,23 @@ class Seen(NamedTuple):
 
 @contextmanager
 def asking(
-    catalog: Catalog, files: Sequence[tuple[Path, Emitter[Any]]], expansion: Expansion, consumers: Sequence[str] | None
+    catalog: Catalog, files: Iterable[tuple[Path, Emitter[Any]]], expansion: Expansion, consumers: Sequence[str]
 ) -> Iterator[Iterator[Seen]]:
-    """Give files to the programs that are installed; a context, in which they are at work.
+    """Give files, each with the emitter of its format, to the programs that are installed, of all consumers or of some.
 
-    Args:
-        catalog: the loaders that there are.
-        files: the files, each with the emitter of its format.
-        expansion: how those are expanded that hold macros, and where packages are.
-        consumers: whom to ask; all where it is empty, and nobody where it is None.
-
-    Yields:
-        what was seen of each file, in their order. A file that cannot be read or expanded is left out.
+    A context, in which the programs are at work. It yields what was seen of each file, in their order; a file that
+    cannot be read or expanded is left out.
     """
-    found = [] if consumers is None else programs(catalog, consumers)
+    found = programs(catalog, consumers)
     formats = {form for program in found for form in program.inspects.formats}
     with TemporaryDirectory(prefix="dh2urdf-check-") as folder:
         given = []
-        for number, (path, emitter) in enumerate(files):
-            one = _given(path, emitter, expansion, Path(folder, str(number))) if found else None
+        for number, (path, emitter) in enumerate(files if found else ()):
+            one = _given(path, emitter, expansion, Path(folder, str(number)))
             if one is not None and one.asked.question.format in formats:
                 given.append(one)
-        with Asking(found, [each.asked for each in given]) as at_work:
-            yield (Seen(*each) for each in zip(given, at_work.answers(), strict=True))
+        with answering(found, [each.asked for each in given]) as answers:
+            yield (each._replace(answers=of_file) for each, of_file in zip(given, answers, strict=True))
 
 
 def why_unasked() -> str:
@@ -152,7 +115,7 @@ def with_what_is_seen(
     return replace(found, findings=tuple(seen_findings(seen, found.findings))) if seen else found
 
 
-def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path) -> Given | None:
+def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path) -> Seen | None:
     """A file as programs are given it; a xacro as what it expands to, beside links to its neighbours."""
     marks: list[Mark | None] = []
     try:
@@ -168,17 +131,16 @@ def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path
             where = _written(content, where, folder, _packages_above(content, where))
     except (Dh2UrdfError, OSError):  # The inspection of the file reports it.
         return None
-    own = _own(path, emitter, expansion)
-    packages = with_its_own(path, known)
+    own = None
+    with suppress(Dh2UrdfError):  # What is not read here cannot be compared.
+        if read := reads.read_foreign(path, expansion) if reads else None:
+            own = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
+            own = replace(own, robot=_from_the_root(own.robot))
+    packages, here = with_its_own(path, known), Path(os.fspath(path)).absolute()
     question = Question(path=where, format=form, packages=packages, postures=postures(own) if own else ())
-    readable = (
-        Path(os.fspath(path)).absolute().parent,
-        where.parent,
-        *packages.values(),
-        *_packages_above(content, Path(os.fspath(path)).absolute()).values(),
-        *_named(content, path, packages),
-    )
-    return Given(path, Places(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
+    above = _packages_above(content, here)
+    readable = (here.parent, where.parent, *packages.values(), *above.values(), *_named(content, here, packages))
+    return Seen(path, Places(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
 
 
 def _packages_above(content: bytes, path: Path) -> dict[str, Path]:
@@ -203,18 +165,6 @@ def _written(content: bytes, path: Path, folder: Path, packages: Mapping[str, Pa
     return written
 
 
-def _own(path: Path, emitter: Emitter[Any], expansion: Expansion) -> ForeignRobot | None:
-    reads = emitter.can(ReadsForeign)
-    try:
-        robot = reads.read_foreign(path, expansion) if reads else None
-    except Dh2UrdfError:  # What is not read here cannot be compared.
-        return None
-    if robot is None:
-        return None
-    found = robot if isinstance(robot, ForeignRobot) else ForeignRobot(robot=robot)
-    return replace(found, robot=_from_the_root(found.robot))
-
-
 def _from_the_root(robot: Robot) -> Robot:
     """A robot whose links and joints follow each other from the root on, whatever their order in the file."""
     below: dict[str, list[Joint]] = {}
@@ -233,10 +183,10 @@ def _from_the_root(robot: Robot) -> Robot:
 
 def _named(content: bytes, path: Path, packages: Mapping[str, Path]) -> Iterator[Path]:
     """What a file names: of a relative address the folder in which the file is, of an absolute one the file alone."""
-    find = mesh_finder(path.absolute().parent, packages)
+    find = mesh_finder(path.parent, packages)
     for texts in _ADDRESS.findall(content):
         address = b"".join(texts).decode("utf-8", "replace")
-        folder = path.absolute().parent / address
+        folder = path.parent / address
         if "://" not in address and is_folder(folder):
             yield folder
         elif file := find(address):
@@ -252,15 +202,15 @@ def seen_findings(seen: Seen, foretold: Sequence[Finding]) -> list[Finding]:
     Where a rule has foretold what a program did to an element, the finding of the rule says that it was seen. What is
     foretold besides of a program that loads the file is left out: it was not seen.
     """
-    facts = [fact for answer in seen.answers for fact in _facts(answer, seen.given)]
-    told = {answer.name: answer.held for answer in seen.answers if answer.held is not None}
-    if seen.given.own is not None:
+    left = [fact for answer in seen.answers for fact in _facts(answer, seen)]
+    if seen.own is not None:
         by_name = {answer.name: answer for answer in seen.answers}
-        for name, each in unlike_meshes(seen.given.own.robot, told):
-            facts.append(_of_difference(by_name[name], each, seen.given.places))
-    findings, left = [], list(facts)
+        told = {name: answer.held for name, answer in by_name.items() if answer.held is not None}
+        for name, each in unlike_meshes(seen.own.robot, told):
+            left.append(_of_difference(by_name[name], each, seen.places))
+    findings = []
     for finding in foretold:
-        effects, fitting = [], list(seen.given.places.at(finding.mark))
+        effects, fitting = [], list(seen.places.at(finding.mark))
         for effect in finding.effects:
             answer = next((each for each in seen.answers if each.program.consumer == effect.consumer), None)
             if answer is None or answer.end == "unasked":
@@ -275,7 +225,7 @@ def seen_findings(seen: Seen, foretold: Sequence[Finding]) -> list[Finding]:
                 effects.append(effect)
         if effects or not finding.effects:
             findings.append(replace(finding, effects=tuple(effects)))
-    return [*findings, *(_own_finding(fact) for fact in _together(left))]
+    return [*findings, *_unforetold(left)]
 
 
 class _Fact(NamedTuple):
@@ -289,38 +239,31 @@ class _Fact(NamedTuple):
     text: str
 
 
-def _facts(answer: Answer, given: Given) -> Iterator[_Fact]:
-    def fact(rule: str, words: str, text: str) -> _Fact:
-        kind, name, mark = given.places.of_words(words)
-        return _Fact(answer, rule, kind, name, mark, text)
-
+def _facts(answer: Answer, seen: Seen) -> Iterator[_Fact]:
+    """What a program did to a file: how it ended, what was printed, and what differs from our own reading."""
+    places, held = seen.places, answer.held
+    said: list[tuple[str, str, str]] = []  # a rule, words that name a place, and what the program does
     match answer.end:
         case "refuses":
             reasons = " ".join((answer.words, *answer.complaints))
-            yield fact("seen-refusal", reasons, f"refuses the file: {answer.words}")
+            said.append(("seen-refusal", reasons, f"refuses the file: {answer.words}"))
         case "crashes":
-            yield fact("seen-crash", "", answer.words)
+            said.append(("seen-crash", "", answer.words))
         case "unasked":
-            yield fact("seen-unasked", "", answer.words)
+            said.append(("seen-unasked", "", answer.words))
         case "loads":
-            for words in answer.complaints:
-                yield fact("seen-message", words, f"prints: {words}")
-            if answer.held is not None:
-                yield from _of_held(answer, answer.held, given)
-
-
-def _of_held(answer: Answer, held: HeldRobot, given: Given) -> Iterator[_Fact]:
-    """What a program that loads the file has otherwise than our own reading."""
-    for words in held.refusals:
-        kind, name, mark = given.places.of_words(words)
-        yield _Fact(answer, "seen-refused-part", kind, name, mark, f"loads the file without its {words}")
-    if not (held.links or held.joints):
-        if any(each.tag in LINKS for each in given.places.elements):
+            said += [("seen-message", words, f"prints: {words}") for words in answer.complaints]
+            refusals = held.refusals if held else ()
+            said += [("seen-refused-part", words, f"loads the file without its {words}") for words in refusals]
+    for rule, words, text in said:
+        yield _Fact(answer, rule, *places.of_words(words), text)
+    if held is not None and not (held.links or held.joints):
+        if any(each.tag in LINKS for each in places.elements):
             text = "takes the file for an empty world: it has no link"
-            yield _Fact(answer, "seen-empty-world", "", "", given.places.whole, text)
-    elif given.own is not None:
-        for each in differences(given.own, held, given.asked.question):
-            yield _of_difference(answer, each, given.places)
+            yield _Fact(answer, "seen-empty-world", "", "", places.whole, text)
+    elif held is not None and seen.own is not None:
+        for each in differences(seen.own, held, seen.asked.question):
+            yield _of_difference(answer, each, places)
 
 
 def _of_difference(answer: Answer, each: Difference, places: Places) -> _Fact:
@@ -354,27 +297,23 @@ def _is_settled(answer: Answer, effect: Effect, at: Sequence[etree._Element]) ->
     return effect.severity == "error" or not inside & _UNCOMPARED
 
 
-def _together(facts: Sequence[_Fact]) -> list[list[_Fact]]:
-    """Facts about one element in one program, which have one cause: a program prints that it changes something."""
+def _unforetold(facts: Sequence[_Fact]) -> Iterator[Finding]:
+    """The findings about what no rule has foretold.
+
+    Facts about one element in one program are one finding: they have one cause, and a program prints what it changes.
+    """
     groups: dict[tuple[str, str, str], list[_Fact]] = {}
     for number, fact in enumerate(facts):
         is_alone = not fact.name or seen_rules()[fact.rule].severity != "warning" or fact.rule == "seen-mesh-size"
         groups.setdefault((fact.answer.name, fact.name, str(number) if is_alone else ""), []).append(fact)
-    return list(groups.values())
-
-
-def _own_finding(facts: Sequence[_Fact]) -> Finding:
-    """The finding about what no rule has foretold."""
-    first = min(facts, key=lambda fact: fact.rule == "seen-message")
-    rule = seen_rules()[first.rule]
-    title = first.answer.program.inspects.title
-    fault, of = rule.fault.replace("a program", title), f"{first.kind} {first.name!r}" if first.name else "the file"
-    effect = Effect(
-        consumer=first.answer.program.consumer,
-        severity=rule.severity,
-        text="; ".join(dict.fromkeys(fact.text for fact in facts)),
-        seen=first.answer.name,
-    )
-    about_program = rule.fault.startswith("a program")
-    message = f"{of} {fault}" if not about_program else f"{fault}, at {of}" if first.name else fault
-    return Finding(rule=first.rule, message=message, fix=rule.fix, effects=(effect,), mark=first.mark)
+    for group in groups.values():
+        first = min(group, key=lambda fact: fact.rule == "seen-message")
+        rule, program = seen_rules()[first.rule], first.answer.program
+        does = "; ".join(dict.fromkeys(fact.text for fact in group))
+        effect = Effect(consumer=program.consumer, severity=rule.severity, text=does, seen=first.answer.name)
+        fault = rule.fault.replace("a program", program.inspects.title)
+        of = f"{first.kind} {first.name!r}" if first.name else "the file"
+        message = f"{of} {fault}"
+        if rule.fault.startswith("a program"):
+            message = f"{fault}, at {of}" if first.name else fault
+        yield Finding(rule=first.rule, message=message, fix=rule.fix, effects=(effect,), mark=first.mark)

@@ -23,16 +23,9 @@ _NAMED = re.compile(r"['\"\[(<]([^'\"\[\]()<>]+)['\"\])>]|(?:\b(?:link|joint|bod
 
 
 class Places:
-    """The elements of a file, as far as it is XML.
+    """The elements of a file, as far as it is XML, in the order of the text, and the line in which each begins.
 
-    Attributes:
-        elements: all of them in the order of the text, and the line in which each begins.
-        whole: the file.
-
-    Args:
-        content: the text.
-        file: the file, as it was named.
-        marks: where the elements are in their own files, where the text is what a xacro expands to.
+    `marks` are where the elements are in their own files, where the text is what a xacro expands to.
     """
 
     def __init__(self, content: bytes, file: Path, marks: Sequence[Mark | None] = ()) -> None:

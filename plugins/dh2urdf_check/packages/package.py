@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from contextlib import suppress
 from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dh2urdf.documents import is_file, is_there, read_bytes, xml_root
+from dh2urdf.documents import is_file, is_there, load_yaml, read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError
+from dh2urdf.robot import Robot
 from dh2urdf.stages import PACKAGE_FILE, Expansion
 from dh2urdf_check.files import urdfs, xacros
 from dh2urdf_check.finders import Document
@@ -18,11 +19,11 @@ from dh2urdf_plugins.descriptions.description import describe
 from dh2urdf_plugins.formats.xml_files import FILE, mark_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping  # noqa: TC004 - the annotations of a dataclass are not evaluated
+    from collections.abc import Collection, Iterator, Mapping
 
-    from lxml import etree  # noqa: TC004
+    from lxml import etree
 
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Joint
     from dh2urdf.source import Mark
     from dh2urdf.stages import Finding
 
@@ -64,42 +65,20 @@ def package_rules() -> dict[str, Rule]:
 def of_document(
     root: etree._Element, path: Path, sets: Mapping[str, Collection[str]] | None = None
 ) -> Iterator[Finding]:
-    """The places of a file of a package where it breaks rules that are data.
-
-    Args:
-        root: its outermost element.
-        path: the file.
-        sets: the names that rules know by a word.
-    """
+    """The places of a file of a package where it breaks rules that are data, which know `sets` of names by a word."""
     document = Document(root, path)
     document.sets |= sets or {}
     for hit in document.hits(package_rules().values()):
         yield broken(hit.rule, mark_of(hit.at), hit.message)  # type: ignore[arg-type]  # no rule is of the text
 
 
-@dataclass(frozen=True)
 class Package:
-    """A package of ROS 2.
+    """A package of ROS 2, whose package.xml has the outermost element `root`; `known` are the folders of packages."""
 
-    Attributes:
-        folder: its folder.
-        root: the outermost element of its package.xml.
-        known: the folders of packages by name, itself included.
-    """
-
-    folder: Path
-    root: etree._Element
-    known: Mapping[str, Path]
-
-    @property
-    def manifest(self) -> Path:
-        """Its package.xml."""
-        return self.folder / PACKAGE_FILE
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        return (self.root.findtext("name") or "").strip()
+    def __init__(self, folder: Path, root: etree._Element, known: Mapping[str, Path]) -> None:
+        self.folder, self.root, self.manifest = folder, root, folder / PACKAGE_FILE
+        self.name = (root.findtext("name") or "").strip()
+        self.known = {**{name: each for name, each in known.items() if each != folder.resolve()}, self.name: folder}
 
     @cached_property
     def files(self) -> tuple[Path, ...]:
@@ -125,38 +104,25 @@ class Package:
     @cached_property
     def robots(self) -> tuple[Robot, ...]:
         """The robots of the descriptions that the package has, or that its `.setup_assistant` names."""
-        return tuple(robot for path in self._descriptions() if (robot := self._robot(path)) is not None)
+        roots = {path: "robot" for path in self.files if path.suffix in _DESCRIPTIONS}
+        found, robots = [*urdfs(roots), *xacros(roots)], list[Robot | None]()
+        for path in found or self._of_the_setup_assistant():
+            form, packages = path.suffix.removeprefix("."), tuple(self.known.values())
+            expansion = Expansion(package_paths=packages) if form == "xacro" else Expansion()
+            with suppress(Dh2UrdfError):  # The check of the description itself reports it.
+                robots.append(describe(form if form == "xacro" else "urdf", path, expansion).robot)
+        return tuple(filter(None, robots))
 
     @cached_property
     def joints(self) -> dict[str, Joint]:
         """The joints of all these robots that move."""
         return {joint.name: joint for robot in self.robots for joint in robot.moving_joints}
 
-    def _descriptions(self) -> Iterator[Path]:
-        roots = {path: "robot" for path in self.files if path.suffix in _DESCRIPTIONS}
-        found = [*urdfs(roots), *xacros(roots)]
-        yield from found
-        if not found and (path := self._of_the_setup_assistant()) is not None:
-            yield path
-
-    def _of_the_setup_assistant(self) -> Path | None:
-        content = self.content(self.folder / ".setup_assistant")
-        if content is None:
-            return None
-        from dh2urdf.documents import load_yaml
-
-        try:
+    def _of_the_setup_assistant(self) -> list[Path]:
+        content = self.content(self.folder / ".setup_assistant") or b""
+        with suppress(InputError, KeyError, TypeError, AttributeError):
             settings = load_yaml(content, ".setup_assistant", InputError).plain()["moveit_setup_assistant_config"]
             urdf = settings.get("urdf") or settings["URDF"]
             path = self.known[urdf["package"]] / urdf["relative_path"]
-        except (InputError, KeyError, TypeError, AttributeError):
-            return None
-        return path if is_file(path) else None
-
-    def _robot(self, path: Path) -> Robot | None:
-        try:
-            if path.suffix == ".xacro":
-                return describe("xacro", path, Expansion(package_paths=tuple(self.known.values()))).robot
-            return describe("urdf", path).robot
-        except Dh2UrdfError:  # The check of the description itself reports it.
-            return None
+            return [path] if is_file(path) else []
+        return []

@@ -36,6 +36,6 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
-        *checks("models:inspect_mjcf", "files:mjcfs"),
+        *checks("inspection:inspect_mjcf", "files:mjcfs"),
     ),
 )

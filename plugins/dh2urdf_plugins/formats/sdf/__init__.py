@@ -40,7 +40,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),
-        *checks("models:inspect_sdf", "files:sdfs"),
+        *checks("inspection:inspect_sdf", "files:sdfs"),
         GivesNotices(notices),
     ),
 )

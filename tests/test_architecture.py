@@ -423,7 +423,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 8040,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 760,
-    "plugins/dh2urdf_studio": 7050,
+    "plugins/dh2urdf_studio": 6770,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

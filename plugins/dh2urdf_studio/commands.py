@@ -18,13 +18,12 @@ from dh2urdf.cli.shared_options import (
     package_paths_option,
     without_option,
 )
-from dh2urdf.source import Messages
+from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from dh2urdf_studio.editing.opening import Opened
 
 say = Messages(__file__)
 
@@ -66,7 +65,13 @@ def studio(table: Path | None, robot: str | None, port: int | None, host: str, n
     opened = None
     if table is not None:
         check_file(table, TableError)
-        chosen = _chosen(open_tables(table, installed, wanted=robot), robot, table)
+        tables = open_tables(table, installed, wanted=robot)
+        names = [each.table.name for each in tables]
+        if robot not in names and (robot is not None or len(tables) > 1):
+            code = "several-manipulators" if robot is None else "manipulator-unknown"
+            near = did_you_mean(robot, names) if robot else None
+            raise TableError(say(code, Mark(file=str(table)), found=robot, names=names[:20], suggestion=near))
+        chosen = tables[names.index(robot) if robot is not None else 0]
         opened = chosen.table
         for remark in remarks(chosen):
             click.echo(remark, err=True)
@@ -74,25 +79,6 @@ def studio(table: Path | None, robot: str | None, port: int | None, host: str, n
 
     serve(lambda: build_studio(installed, opened), host, port, answer, "dh2urdf studio", browser=not no_browser)
     return 0
-
-
-def _chosen(tables: tuple[Opened, ...], robot: str | None, path: Path) -> Opened:
-    """The manipulator that is meant.
-
-    Raises:
-        TableError: there is none of the name, or which of several is not said.
-    """
-    from dh2urdf.errors import TableError
-    from dh2urdf.source import Mark, did_you_mean
-
-    names = [opened.table.name for opened in tables]
-    if robot is None and len(tables) == 1:
-        return tables[0]
-    if robot in names:
-        return tables[names.index(robot)]
-    code = "several-manipulators" if robot is None else "manipulator-unknown"
-    near = did_you_mean(robot, names) if robot else None
-    raise TableError(say(code, Mark(file=str(path)), found=robot, names=names[:20], suggestion=near))
 
 
 @click.command(name="view", epilog=EXIT_STATUS)

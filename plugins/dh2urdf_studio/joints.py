@@ -22,23 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slider:
-    """A moving joint on the screen.
-
-    Attributes:
-        name: the joint's name.
-        lower: smallest value [rad or m].
-        upper: largest value [rad or m].
-        unit: the unit of what is shown.
-        group: the robot that the joint belongs to, where there are several.
-        is_endless: whether it turns round and round; values beyond half a turn come in at the other end.
-    """
+    """A moving joint on the screen."""
 
     name: str
-    lower: float
-    upper: float
-    unit: Unit
-    group: str = ""
-    is_endless: bool = False
+    lower: float  # smallest value [rad or m]
+    upper: float  # largest value [rad or m]
+    unit: Unit  # of what is shown
+    group: str = ""  # the robot that the joint belongs to, where there are several
+    is_endless: bool = False  # whether it turns round and round; values beyond half a turn come in at the other end
 
     def shown(self, value: float) -> float:
         """A joint value [rad or m] in the unit of the slider."""
@@ -49,11 +40,7 @@ class Slider:
         return self.inside(self.unit.si(shown))
 
     def read(self, text: str) -> float:
-        """What a text says in the unit of the slider, inside the limits; it may be all that a cell may be.
-
-        Raises:
-            QuantityError: it is no joint value.
-        """
+        """What a text says in the unit of the slider, inside the limits; it may be all that a cell may be."""
         return self.shown(self.inside(evaluate(text, self.unit.dimension, self.unit, decimal_comma=True).value))
 
     def inside(self, value: float) -> float:

@@ -41,14 +41,10 @@ class _Request(BaseModel, strict=True):
 
 
 class LiveJoints:
-    """The joint values that programs give and ask for.
-
-    Attributes:
-        pages: the pages that are open.
-    """
+    """The joint values that programs give and ask for."""
 
     def __init__(self, first: View) -> None:
-        self.pages: set[PageFollower] = set()
+        self.pages: set[PageFollower] = set()  # that are open
         self._first = first
         self._given: dict[str, float] = {}
         self._views = WeakSet([first])  # of all tabs
@@ -77,7 +73,22 @@ class LiveJoints:
         Raises:
             InputError: a part of the request is wrong; no joint has moved.
         """
-        values = self._read(text)
+        try:
+            asked = _Request.model_validate_json(text)
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = "".join(f", {each}" for each in first["loc"])
+            raise InputError(say("request-wrong", reason=f"{first['msg']}{where}")) from error
+        names = asked.names
+        if len(names) != len(asked.positions):
+            raise InputError(say("names-not-positions", names=len(names), positions=len(asked.positions)))
+        for name in names:
+            if name not in self.q:
+                known = listed(list(self.q), 20) if self.q else "no joint moves"
+                raise InputError(say("joint-unknown", name=name, known=known, suggestion=did_you_mean(name, self.q)))
+        values = dict(zip(names, asked.positions, strict=True))
+        if len(values) < len(names):
+            raise InputError(say("joint-twice", name=next(each for each in values if names.count(each) > 1)))
         for view in self._views:
             view.move(values)
         self._given |= {name: self.q[name] for name in values}
@@ -85,24 +96,6 @@ class LiveJoints:
             page.follow()
         sliders = {slider.name: slider for slider in self._first.sliders}
         return [name for name, value in values.items() if name in sliders and not sliders[name].holds(value)]
-
-    def _read(self, text: bytes) -> dict[str, float]:
-        try:
-            asked = _Request.model_validate_json(text)
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = "".join(f", {each}" for each in first["loc"])
-            raise InputError(say("request-wrong", reason=f"{first['msg']}{where}")) from error
-        if len(asked.names) != len(asked.positions):
-            raise InputError(say("names-not-positions", names=len(asked.names), positions=len(asked.positions)))
-        for name in asked.names:
-            if name not in self.q:
-                known = listed(list(self.q), 20) if self.q else "no joint moves"
-                raise InputError(say("joint-unknown", name=name, known=known, suggestion=did_you_mean(name, self.q)))
-        values = dict(zip(asked.names, asked.positions, strict=True))
-        if len(values) < len(asked.names):
-            raise InputError(say("joint-twice", name=next(each for each in values if asked.names.count(each) > 1)))
-        return values
 
 
 def serve_joints(live: LiveJoints) -> None:

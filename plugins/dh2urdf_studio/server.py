@@ -16,9 +16,11 @@ from __future__ import annotations
 
 import errno
 import ipaddress
+import os
 import socket
 import threading
 import webbrowser
+from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -57,53 +59,38 @@ _ELSEWHERE = "a page from elsewhere asks for this"
 
 
 def require_nicegui(command: str) -> None:
-    """Refuses to go on without NiceGUI.
-
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
+    """Refuses to go on without NiceGUI."""
     if find_spec("nicegui") is None:
         raise MissingDependencyError(f"the command {command!r}", "nicegui", "dh2urdf[studio]")
 
 
 def listen(host: str, port: int | None) -> socket.socket:
-    """A socket that listens at an address of this machine.
+    """A socket that listens at an address of this machine, or a name of it.
 
-    Args:
-        host: the address, or a name of this machine.
-        port: the port; 0 for any that is free, None for the usual one or, where that is taken, any that is free.
+    The port 0 is any that is free, None the usual one or, where that is taken, any that is free.
 
     Raises:
         InputError: the port is taken, or the address is not one of this machine.
     """
+    number = PORT if port is None else port
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, PORT if port is None else port, type=socket.SOCK_STREAM)[0]
+        family, _, _, _, address = socket.getaddrinfo(host, number, type=socket.SOCK_STREAM)[0]
     except OSError as error:
         raise InputError(say("host-unknown", found=host, reason=error.strerror)) from error
-    listening = socket.socket(family, socket.SOCK_STREAM)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    open_at = partial(socket.create_server, family=family, dualstack_ipv6=family == socket.AF_INET6)
     try:
-        listening.bind(address)
+        return open_at(address)
     except OSError as error:
-        if port is not None or error.errno != errno.EADDRINUSE:
-            listening.close()
-            number, mark = PORT if port is None else port, Mark(file="command line")
-            about = {"host": host, "number": str(number), "reason": str(error.strerror)}
-            raise InputError(say("port-taken", mark, found=str(port), **about)) from error
-        listening.bind((address[0], 0, *address[2:]))
-    listening.listen(128)
-    return listening
+        if port is None and error.errno == errno.EADDRINUSE:
+            return open_at((address[0], 0, *address[2:]))
+        about = {"host": host, "number": str(number), "reason": os.strerror(error.errno or 0)}
+        raise InputError(say("port-taken", Mark(file="command line"), found=str(port), **about)) from error
 
 
 def serve(
     build: Callable[[], None], host: str, port: int | None, report: Callable[[str], None], title: str, *, browser: bool
 ) -> None:
-    """Serves pages until it is interrupted.
-
-    Raises:
-        InputError: nothing can be served there.
-        KeyboardInterrupt: that is how a server ends.
-    """
+    """Serves pages until it is interrupted, with a `KeyboardInterrupt`."""
     listening = listen(host, port)
     import uvicorn
     from fastapi import FastAPI

@@ -45,9 +45,6 @@ def glb(drawing: Drawing, q: Mapping[str, float], layers: Collection[str], name:
 
     Every link is a node with its name, and a child of the link that holds it: the product of the matrices from the
     root's child to a link is the forward kinematics. The root turns z up into y up.
-
-    Raises:
-        OutputError: a mesh file cannot be read, or nothing is shown.
     """
     import numpy as np
     import trimesh
@@ -149,9 +146,6 @@ def gif(frames: Sequence[str]) -> bytes:
     """An endless animation of pictures of one size, which the page sends as PNGs in data addresses.
 
     A GIF and no WebM: a browser records a WebM in real time, so that a slow graphics card drops frames.
-
-    Raises:
-        OutputError: they are no such pictures, or Pillow is not installed.
     """
     try:
         from PIL import Image

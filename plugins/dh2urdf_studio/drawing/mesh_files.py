@@ -49,43 +49,29 @@ _MOST_READERS = 4
 
 
 class Picture(NamedTuple):
-    """A picture on triangles, as browsers show it: the file, and its type, such as ``image/png``."""
+    """A picture on triangles, as browsers show it: the bytes of a file."""
 
     content: bytes
-    media_type: str
+    media_type: str  # such as ``image/png``
 
 
 class Surface(NamedTuple):
-    """Triangles.
+    """Triangles, as arrays, with the picture on them."""
 
-    Attributes:
-        positions: corners [m], of shape (N, 3).
-        normals: the direction outwards at each corner, of shape (N, 3).
-        faces: numbers of corners, anticlockwise as seen from outside, of shape (M, 3).
-        uv: where the corners are in the texture, as `dh2urdf.meshes.triangles.Texture` has them, of shape (N, 2).
-        texture: the picture on the triangles.
-    """
-
-    positions: Any
-    normals: Any
-    faces: Any
-    uv: Any = None
+    positions: Any  # of the corners [m], of shape (N, 3)
+    normals: Any  # the direction outwards at each corner, of shape (N, 3)
+    faces: Any  # numbers of corners, anticlockwise as seen from outside, of shape (M, 3)
+    uv: Any = None  # where the corners are in the texture, as `dh2urdf.meshes.triangles.Texture` has them, (N, 2)
     texture: Picture | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DrawnMesh:
-    """A mesh file with a scale, as the scene draws it.
-
-    Attributes:
-        path: the file.
-        scale: factors along the axes of the mesh.
-        as_in_ros: whether the axis up of a COLLADA file is not followed: see `dh2urdf.meshes.read_parts`.
-    """
+    """A mesh file, as the scene draws it."""
 
     path: Path
-    scale: Vec3 = (1.0, 1.0, 1.0)
-    as_in_ros: bool = False
+    scale: Vec3 = (1.0, 1.0, 1.0)  # factors along the axes of the mesh
+    as_in_ros: bool = False  # whether the axis up of a COLLADA file is not followed: see `dh2urdf.meshes.read_parts`
 
     @property
     def key(self) -> str:
@@ -116,9 +102,6 @@ def triangles(mesh: DrawnMesh) -> DrawnTriangles:
     places in the picture as 32-bit floats (N, 2), and the numbers of corners (3 M) as 32-bit integers, three for each
     triangle. A part has the colour that the file gives it, or null, and the key of its texture, or null. `unread` of
     the header has messages about the files that the mesh file names and that are not shown.
-
-    Raises:
-        OutputError: the file cannot be read, or holds no triangles.
     """
     import numpy as np
 
@@ -144,11 +127,7 @@ def triangles(mesh: DrawnMesh) -> DrawnTriangles:
 def surfaces(
     mesh: DrawnMesh, named: NamedFiles | None = None
 ) -> Iterator[tuple[tuple[float, float, float, float] | None, Surface]]:
-    """The triangles of a file in metres, z up: the surface of each part with its colour.
-
-    Raises:
-        OutputError: the file cannot be read, or holds no triangles.
-    """
+    """The triangles of a file in metres, z up: the surface of each part with its colour; an `OutputError` of none."""
     named = named or NamedFiles(mesh.path, LARGEST)
     try:
         if mesh.path.stat().st_size > LARGEST:
@@ -163,18 +142,13 @@ def surfaces(
         why = getattr(error, "strerror", None) or str(error)[:200]
         raise OutputError(say("file-unreadable", name=mesh.path.name, reason=why)) from error
     for part in parts:
-        uv, picture = _textured(part, named) or (None, None)
-        yield part.rgba, creased(part.vertices, part.faces, uv, picture)
+        yield part.rgba, creased(part.vertices, part.faces, *(_textured(part, named) or ()))
 
 
 def creased(vertices: Any, faces: Any, uv: Any = None, picture: Picture | None = None) -> Surface:  # noqa: ANN401 - arrays
-    """The surface of some triangles, with edges where neighbours are more than 40° apart.
+    """The surface of triangles (M, 3) between vertices (N, 3), with edges where neighbours are more than 40° apart.
 
-    Args:
-        vertices: of shape (N, 3).
-        faces: numbers of vertices, of shape (M, 3).
-        uv: where the corners of the triangles are in the picture, of shape (3 M, 2).
-        picture: the picture on them.
+    Where there is a picture, `uv` of shape (3 M, 2) tells the places of the triangles' corners in it.
     """
     import numpy as np
     import trimesh
@@ -188,13 +162,11 @@ def creased(vertices: Any, faces: Any, uv: Any = None, picture: Picture | None =
         rows = np.column_stack([rows, uv.astype("<f4").view("<u4")])
     _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
     number = number.reshape(-1, 3)
-    a, b, c = (np.asarray(vertices)[whole.faces[:, corner]] for corner in range(3))
-    areas = np.cross(b - a, c - a)
     # Of one smooth surface a vertex has one normal, though its triangles have several places in the picture.
     _, group = np.unique(rows[first, :2], axis=0, return_inverse=True)
-    sums = np.zeros((len(first), 3))
-    np.add.at(sums, group.reshape(-1)[number].reshape(-1), np.repeat(areas, 3, axis=0))
-    normals = sums[group.reshape(-1)]
+    group, sums = group.reshape(-1), np.zeros((len(first), 3))
+    np.add.at(sums, group[number].reshape(-1), np.repeat(whole.triangles_cross, 3, axis=0))
+    normals = sums[group]
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), (0.0, 0.0, 1.0))
     places = None if uv is None else uv[first]
@@ -255,10 +227,7 @@ class MeshStore:
         return self._pictures.get(key)
 
     def triangles(self, key: str) -> Future[DrawnTriangles]:
-        """The triangles of a file, as soon as they are read; of a file that has changed, anew.
-
-        The future raises `OutputError` where the file cannot be read.
-        """
+        """The triangles of a file, or an `OutputError`, as soon as it is read; of a file that has changed, anew."""
         mesh = self._meshes[key]
         try:
             status = mesh.path.stat()

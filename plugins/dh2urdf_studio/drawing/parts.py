@@ -42,23 +42,14 @@ APART = 0.3
 
 
 class Grip(NamedTuple):
-    """How a link can be dragged.
+    """How a link can be dragged: it turns about an axis, or slides along it."""
 
-    Attributes:
-        joint: name of the joint whose value changes.
-        carrier: name of the link whose frame has the axis: of the joint nearest to the link.
-        axis: the axis about which the link turns, or along which it slides, in the carrier's frame.
-        slides: whether it slides.
-        is_endless: whether the joint whose value changes has no limits.
-        followers: how the joint nearest to the link follows that one, the last first; none where it is that one.
-    """
-
-    joint: str
-    carrier: str
-    axis: Vec3
+    joint: str  # whose value changes
+    carrier: str  # the link whose frame has the axis: of the joint nearest to the link
+    axis: Vec3  # in the carrier's frame
     slides: bool
-    is_endless: bool
-    followers: tuple[Follower, ...] = ()
+    is_endless: bool  # whether the joint whose value changes has no limits
+    followers: tuple[Follower, ...] = ()  # how the joint nearest to the link follows that one, the last first
 
     def value(self, before: float, by: float) -> float:
         """The joint value that turns or slides the link so far from a value before [rad or m], by Newton's method."""
@@ -84,53 +75,35 @@ class Grip(NamedTuple):
 class ScenePart:
     """A body of a node.
 
-    Attributes:
-        shape: ``box`` (size x, y, z), ``cylinder`` (radius, length), ``sphere`` (radius, or three half axes), ``frame``
-            (length) or ``mesh`` (none).
-        size: its sizes [m].
-        pose: where it is in the node.
-        layer: with what it is shown, one of `LAYERS`.
-        colour: its colour.
-        opacity: 1 for what cannot be looked through.
-        mesh: the mesh file.
-        own_colours: whether the colours of the mesh file come before `colour`: those of a description do, as in RViz.
+    Its shape is ``box`` (size x, y, z [m]), ``cylinder`` (radius, length), ``sphere`` (radius, or three half axes),
+    ``frame`` (length) or ``mesh`` (none).
     """
 
     shape: str
     size: tuple[float, ...]
-    pose: RigidTransform = IDENTITY
-    layer: str = "links"
+    pose: RigidTransform = IDENTITY  # in the node
+    layer: str = "links"  # with what it is shown, one of `LAYERS`
     colour: Colour = GREY
     opacity: float = 1.0
     mesh: DrawnMesh | None = None
-    own_colours: bool = False
+    own_colours: bool = (
+        False  # whether those of the mesh file come before `colour`: of a description they do, as in RViz
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneNode:
-    """A rigid thing.
+    """A rigid thing."""
 
-    Attributes:
-        name: a link's name, or ``frame 3``.
-        row: number of the row of the table that it belongs to, counted from 0.
-        figure: the name of the robot that it belongs to.
-        grip: how it can be dragged; None where no joint moves it.
-        carrier: the node whose frame carries its frame; None for what shows no frame, and for a root.
-        parts: its bodies.
-        label: a text at its origin.
-        layer: with what the label is shown.
-        rooted: whether no joint moves it, in a robot that may stand elsewhere than at its root.
-    """
-
-    name: str
-    row: int | None = None
-    figure: str = ""
-    grip: Grip | None = None
-    carrier: str | None = None
+    name: str  # of a link, or ``frame 3``
+    row: int | None = None  # number of the row of the table that it belongs to, counted from 0
+    figure: str = ""  # the name of the robot that it belongs to
+    grip: Grip | None = None  # how it can be dragged; None where no joint moves it
+    carrier: str | None = None  # the node whose frame carries its frame; None for what shows no frame, and for a root
     parts: tuple[ScenePart, ...] = ()
-    label: str = ""
-    layer: str = "frames"
-    rooted: bool = False
+    label: str = ""  # at its origin
+    layer: str = "frames"  # of the label
+    rooted: bool = False  # whether no joint moves it, in a robot that may stand elsewhere than at its root
 
 
 def towards(direction: Vec3) -> Rotation:

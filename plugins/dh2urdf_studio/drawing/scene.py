@@ -56,58 +56,37 @@ _AXIS_LENGTH = 2.6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """One robot in the scene.
-
-    Attributes:
-        robot: the robot.
-        manipulator: its table, where it has one.
-        name: what stands before the names of its nodes.
-        place: where its root is.
-        tint: a colour in place of its own ones.
-        plain: the colour of links that have none.
-        opacity: less than 1 for a robot that is looked through, to see another one at its place.
-        typed: the table as it was typed, whose texts and units are at its parameters.
-        title: a text that is at its root.
-        link_frames: whether frames of its links are shown: of all where it has no table, else flange and tool0.
-        files: the files that the addresses of its meshes mean.
-        as_in_ros: whether the axis up of their COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
-        followers: the joints that follow another one, by name.
-        loose: the types of joints that no table has, which are fixed in the robot, by the name of the joint.
-        notices: what is in its file and could not be read.
-    """
+    """One robot in the scene."""
 
     robot: Robot
-    manipulator: Manipulator | None = None
-    typed: TableText | None = None
-    name: str = ""
-    place: RigidTransform = IDENTITY
-    tint: Colour | None = None
-    plain: Colour = GREY
-    opacity: float = 1.0
-    title: str = ""
-    link_frames: bool = True
-    files: Mapping[str, Path] = field(default_factory=dict)
-    as_in_ros: bool = True
-    followers: Mapping[str, Follower] = field(default_factory=dict)
-    loose: Mapping[str, str] = field(default_factory=dict)
-    notices: tuple[Problem, ...] = ()
+    manipulator: Manipulator | None = None  # its table, where it has one
+    typed: TableText | None = None  # the table as it was typed, whose texts and units are at its parameters
+    name: str = ""  # what stands before the names of its nodes
+    place: RigidTransform = IDENTITY  # of its root
+    tint: Colour | None = None  # in place of its own ones
+    plain: Colour = GREY  # of links that have none
+    opacity: float = 1.0  # less than 1 for a robot that is looked through, to see another one at its place
+    title: str = ""  # at its root
+    link_frames: bool = (
+        True  # whether frames of its links are shown: of all where it has no table, else flange and tool0
+    )
+    files: Mapping[str, Path] = field(default_factory=dict)  # that the addresses of its meshes mean
+    as_in_ros: bool = True  # whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`
+    followers: Mapping[str, Follower] = field(default_factory=dict)  # the joints that follow another one, by name
+    loose: Mapping[str, str] = field(
+        default_factory=dict
+    )  # types that no table has of joints, which are fixed in the robot
+    notices: tuple[Problem, ...] = ()  # what is in its file and could not be read
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawing:
-    """A scene without its poses.
-
-    Attributes:
-        figures: the robots.
-        nodes: everything that has a pose.
-        reach: how far the largest of the robots reaches [m].
-        unseen: the meshes that have no file, or none that can be drawn.
-    """
+    """A scene without its poses."""
 
     figures: tuple[Figure, ...] = ()
-    nodes: tuple[SceneNode, ...] = ()
-    reach: float = 1.0
-    unseen: tuple[str, ...] = field(default=())
+    nodes: tuple[SceneNode, ...] = ()  # everything that has a pose
+    reach: float = 1.0  # of the largest robot [m]
+    unseen: tuple[str, ...] = ()  # the meshes that have no file, or none that can be drawn
 
     @classmethod
     def of(cls, figures: Sequence[Figure]) -> Drawing:
@@ -137,11 +116,7 @@ class Drawing:
         return tuple(dict.fromkeys(part.mesh.key for part in parts if part.mesh is not None))
 
     def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
-        """Where the nodes are, in their order.
-
-        Args:
-            q: joint values by the names of joints, those of a named figure with its name before them [rad or m].
-        """
+        """Where the nodes are, in their order, at joint values by name, a figure's name before it [rad or m]."""
         return tuple(pose for figure in self.figures for pose in _poses(figure, q))
 
     def strokes(self, q: Mapping[str, float]) -> tuple[Stroke, ...]:
@@ -268,8 +243,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
         for number in range(len(table.rows) + 1):
             part = ScenePart(shape="frame", size=(size,), layer="frames")
             row = number - 1 if number else None
-            name = f"{figure.name}frame {number}"
-            carrier = f"{figure.name}{f'frame {number - 1}' if number else root}"
+            name, carrier = f"{figure.name}frame {number}", f"{figure.name}{f'frame {number - 1}' if number else root}"
             label = f"{{{number}}}"
             yield SceneNode(name=name, row=row, figure=figure.name, carrier=carrier, parts=(part,), label=label)
 

@@ -40,16 +40,12 @@ _CROSS = 0.25  # length of the arrow of a cross product, in reaches
 class Stroke:
     """A line to draw.
 
-    Attributes:
-        row: number of its row, counted from 0; None of what belongs to no row.
-        field: a, alpha, d or theta; x, y or z of a frame; distance; line, normal, offset or foot of common normals.
-        points: from its beginning to its end, or the only one [m].
-        label: its symbol and its value.
+    Its field is a, alpha, d or theta; x, y or z of a frame; distance; line, normal, offset or foot of common normals.
     """
 
-    row: int | None
+    row: int | None  # its number, counted from 0; None of what belongs to no row
     field: str
-    points: tuple[Vec3, ...]
+    points: tuple[Vec3, ...]  # from its beginning to its end, or the only one [m]
     label: str = ""
 
 
@@ -159,31 +155,21 @@ class Position(StrEnum):
 
 
 class AxisNormal(NamedTuple):
-    """The common normal of an axis and the next one.
-
-    Attributes:
-        position: how the axes lie to each other.
-        start: its foot on the first axis [m].
-        end: its foot on the next one [m].
-        direction: the unit vector from foot to foot; of axes that meet, of their cross product; of one line, none.
-        angle: from the first axis to the next one, about the direction [rad].
-    """
+    """The common normal of an axis and the next one."""
 
     position: Position
-    start: Vec3
-    end: Vec3
-    direction: Vec3 | None
-    angle: float
+    start: Vec3  # its foot on the first axis [m]
+    end: Vec3  # its foot on the next one [m]
+    direction: (
+        Vec3 | None
+    )  # the unit vector from foot to foot; of axes that meet, of their cross product; of one line none
+    angle: float  # from the first axis to the next one, about the direction [rad]
 
 
 def common_normal(one: Screw, other: Screw, near: Vec3, least: float) -> AxisNormal:
-    """The common normal of two axes.
+    """The common normal of two axes, no further apart than `least` [m] where they meet.
 
-    Args:
-        one: an axis.
-        other: the next one.
-        near: a point; of the many common normals of parallel axes, the one whose foot on the first is nearest to it.
-        least: a distance that is none [m].
+    Of the many common normals of parallel axes, it is the one whose foot on the first is nearest to a point `near`.
     """
     product, between = cross(one.direction, other.direction), subtract(other.point, one.point)
     sine = norm(product)
@@ -226,15 +212,9 @@ def table_normals(
     typed: TableText | None = None,
     only: int | None = None,
 ) -> Iterator[Stroke]:
-    """The axes z of a table with their common normals, and the offsets along each axis.
+    """The axes z of a table, or of one row `only`, with their common normals, and the offsets along each axis.
 
-    Args:
-        table: the table.
-        q: joint values by name [rad or m].
-        place: where its base_link is.
-        reach: size of the scene [m].
-        typed: the table as it was typed, in whose unit lengths are.
-        only: number of the only row that is drawn, counted from 0; None for all rows.
+    The base_link is at a `place` in a scene of a size `reach` [m]; lengths are in the unit of the table as `typed`.
     """
     frames = _frames(table, q, place)
     normals = row_normals(table, frames, _NONE * reach)

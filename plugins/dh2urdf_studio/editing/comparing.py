@@ -72,21 +72,13 @@ class Apart(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Beside:
-    """A description beside a table.
+    """A description beside a table."""
 
-    Attributes:
-        figure: the description as it is drawn, its base link where the table's is.
-        agreement: what `dh2urdf.kinematics.comparison.compare` finds; None where the chain cannot be found.
-        refusal: why it cannot.
-        chain: its joints from the base link to the tip link; None where the two cannot be compared joint by joint.
-        worst: the largest differences over the joint vectors of a proof: of each joint axis, and of the tip.
-    """
-
-    figure: Figure
-    agreement: Agreement | None = None
-    refusal: str = ""
-    chain: KinematicChain | None = None
-    worst: tuple[Apart, ...] = ()
+    figure: Figure  # as it is drawn, its base link where the table's is
+    agreement: Agreement | None = None  # None where the chain cannot be found
+    refusal: str = ""  # why it cannot
+    chain: KinematicChain | None = None  # from base link to tip link; None where joints cannot be compared one by one
+    worst: tuple[Apart, ...] = ()  # of each joint axis and the tip, the largest differences at the vectors of a proof
 
     def named(self, values: Sequence[V]) -> dict[str, V]:
         """What belongs to the joints of the table in order, by the names of the description's joints in the scene."""

@@ -62,14 +62,8 @@ def with_convention(
     """The same arm in a convention.
 
     Texts of a and alpha move as they are; the base, the tool, centres of mass and inertias become numbers where they
-    change.
-
-    Args:
-        table: the table.
-        manipulator: what a reader makes of it.
-        convention: the convention wanted.
-        earlier: what the table was when it had this convention; its first or last row has its a and alpha back where
-            the base or the tool still is what came of them.
+    change. Of what the table was earlier in this convention, the first or last row has its a and alpha back where the
+    base or the tool still is what came of them.
     """
     if manipulator.convention is convention:
         return replace(table, convention=str(convention))

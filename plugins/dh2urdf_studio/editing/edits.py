@@ -37,11 +37,7 @@ def clean(text: str) -> str:
 
 
 def with_cells(table: TableText, texts: Mapping[tuple[int, str], str]) -> TableText:
-    """The table with other texts in some cells.
-
-    Raises:
-        LookupError: there is no such cell.
-    """
+    """The table with other texts in some cells; a `LookupError` where there is no such cell."""
     rows = [dict(row) for row in table.rows]
     for (number, field), text in texts.items():
         if not 0 <= number < len(rows) or field not in FIELDS:
@@ -73,16 +69,13 @@ def arranged(table: TableText, rows: Sequence[int | None]) -> TableText:
 
 
 def rearranged(keys: Sequence[str], act: str, key: str | None, other: str | None) -> list[int | None]:
-    """What a person did to a row, as `arranged` takes it.
+    """What a person did to a row, as `arranged` takes it; a `LookupError` where there is no such row.
 
     Args:
         keys: the keys of the rows of the table.
         act: ``add`` a row below one, ``remove`` a row, move it ``up`` or ``down`` by one, or ``to`` below another one.
         key: the key of the row; None to add a row at the end.
         other: for ``to``, the key of the row above it; None where it goes to the top.
-
-    Raises:
-        LookupError: there is no such row.
     """
     rows: list[int | None] = [*range(len(keys))]
     if not {key, other if act == "to" else None} <= {None, *keys}:
@@ -107,9 +100,7 @@ def begun(table: TableText) -> int:
 def moving_rows(table: TableText, made: tuple[TableText, Manipulator] | None) -> list[int]:
     """The numbers of the rows that move, and so are axes.
 
-    Args:
-        table: the table.
-        made: the last table that was an arm, and the arm: it knows what fixed joints are called beside ``fixed``.
+    The last table that was an arm, and the arm, know what fixed joints are called beside ``fixed``.
     """
     pairs = zip(made[0].rows, made[1].rows, strict=False) if made else ()
     fixed = {"fixed", *(typed["type"] for typed, row in pairs if row.type is JointType.FIXED and "type" in typed)}
@@ -164,11 +155,8 @@ def kept_table(text: str) -> TableText | None:
 def with_typed(table: TableText, keys: Sequence[str], left: object) -> TableText:
     """The table with the text that was being typed when its page lost the connection or was loaded anew.
 
-    Args:
-        table: the table.
-        keys: the keys of its rows.
-        left: the key of a row, field and text of a cell, as the browser has kept them, or None, name and text of a text
-            of the whole table; None where nothing was being typed.
+    What is left of it is the key of a row, field and text of a cell, as the browser has kept them; or None, name and
+    text of a text of the whole table; or None, where nothing was being typed.
     """
     match left:
         case [str(key), str(field), str(text)] if key in keys and field in FIELDS:
@@ -183,32 +171,20 @@ def with_typed(table: TableText, keys: Sequence[str], left: object) -> TableText
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class State:
-    """A state of a table.
-
-    Attributes:
-        table: the table.
-        keys: the keys of its rows. A row keeps its key wherever it goes, and no other gets it.
-        number: the number of the table: one that was opened is another one.
-    """
+    """A state of a table."""
 
     table: TableText
-    keys: tuple[str, ...] = ()
-    number: int = 0
+    keys: tuple[str, ...] = ()  # of its rows: a row keeps its key wherever it goes, and no other gets it
+    number: int = 0  # of the table: one that was opened is another one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class History:
-    """The states of a table; none is ever changed.
+    """The states of a table; none is ever changed."""
 
-    Attributes:
-        states: from the oldest to the newest.
-        position: which of them is on the screen.
-        made: how many keys have been made.
-    """
-
-    states: tuple[State, ...]
-    position: int = 0
-    made: int = 0
+    states: tuple[State, ...]  # from the oldest to the newest
+    position: int = 0  # of the one that is on the screen
+    made: int = 0  # how many keys have been made
 
     @staticmethod
     def of(table: TableText) -> History:
@@ -249,11 +225,9 @@ class History:
     def then(self, table: TableText, keys: Sequence[str | None] | None = None) -> History:
         """The history with a new state; what was undone before is forgotten, and so is what is very old.
 
-        Args:
-            table: the new state.
-            keys: the keys of its first rows, None for new rows; further rows are new. Without them, each row is the one
-                that had its number, unless its numbers are in other units or of another convention, where it had one:
-                what was typed below the old header is not for the new one. No keys at all are those of another table.
+        The keys are those of its first rows, None for new rows; further rows are new. Without them, each row is the one
+        that had its number, unless its numbers are in other units or of another convention, where it had one: what was
+        typed below the old header is not for the new one. No keys at all are those of another table.
         """
         if table == self.table and (keys is None or (*keys,) == self.keys):
             return self

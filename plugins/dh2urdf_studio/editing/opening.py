@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import re
 import tempfile
+from contextlib import suppress
 from dataclasses import fields, replace
-from functools import cache
 from importlib.resources import as_file, files
 from itertools import islice, takewhile
 from pathlib import Path
@@ -30,7 +30,7 @@ from dh2urdf_studio.editing.reading import read_whole
 from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
@@ -54,17 +54,11 @@ _UNNAMED = "field 'columns'"
 
 
 class Opened(NamedTuple):
-    """A manipulator of a file.
-
-    Attributes:
-        table: it as a table to edit.
-        lost: what else the file contains, which such a table has no place for: meshes, for one.
-        notices: what the reader noticed of the file, and cannot notice of the table: an ignored column, for one.
-    """
+    """A manipulator of a file, as a table to edit."""
 
     table: TableText
-    lost: tuple[str, ...] = ()
-    notices: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()  # what else the file contains, which such a table has no place for: meshes, for one
+    notices: tuple[str, ...] = ()  # what the reader noticed of the file alone: an ignored column, for one
 
 
 def open_tables(
@@ -106,7 +100,11 @@ def open_tables(
         raise InputError(
             [problem for item in bad for problem in item.problems], [notice for item in bad for notice in item.notices]
         )
-    typed = _typed(path, call, most)
+    typed: dict[str, TableText] = {}
+    if (writes := call.stage.can(WritesTables)) is not None and writes.texts is not None:
+        # What cannot be read so can be read: then its numbers are what there is.
+        with suppress(InputError), blaming(call, "texts"):
+            typed = {table.name: table for table in several_records(islice(writes.texts(path), most), TableText)}
     opened = [_opened(arm, typed.get(arm.name), catalog, options or {}) for arm in arms]
     if unsaid:
         opened = [each._replace(table=replace(each.table, convention="")) for each in opened]
@@ -155,26 +153,9 @@ def gallery() -> dict[str, str]:
 
 
 def gallery_table(file: str, catalog: Catalog) -> TableText:
-    """A table of the gallery.
-
-    Raises:
-        LookupError: there is no such file in it.
-    """
-    if file not in gallery():
-        raise LookupError(f"the gallery has no {file!r}")
+    """A table of the gallery."""
     with as_file(_GALLERY / file) as path:
         return open_tables(path, catalog)[0].table
-
-
-def _typed(path: Path, call: Call[Reader[Any]], most: int | None) -> dict[str, TableText]:
-    writes = call.stage.can(WritesTables)
-    if writes is None or writes.texts is None:
-        return {}
-    try:
-        with blaming(call, "texts"):
-            return {table.name: table for table in several_records(islice(writes.texts(path), most), TableText)}
-    except InputError:  # It can be read, if not so: then its numbers are what there is.
-        return {}
 
 
 def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog, units: Mapping[str, str]) -> Opened:
@@ -222,15 +203,10 @@ class Put(NamedTuple):
     left_out: int = 0
 
 
-@cache
-def _cells() -> Callable[[str], list[list[str]]]:
-    reads = load().cell_reader().can(ReadsCells)
-    return (reads and reads.cells_of) or (lambda text: [line.split("\t") for line in text.splitlines()])
-
-
 def cells_of(text: str) -> list[list[str]]:
     """The cells of a pasted text, line by line; decimal commas become points where they can be nothing else."""
-    return _cells()(text)
+    reads = load().cell_reader().can(ReadsCells)
+    return reads.cells_of(text) if reads and reads.cells_of else [line.split("\t") for line in text.splitlines()]
 
 
 def first_field(text: str) -> str:
@@ -254,8 +230,7 @@ def whole_tables(
 ) -> tuple[Opened, ...] | str:
     """The tables of a pasted text with a header; convention and units hold where it names none.
 
-    Returns:
-        The tables; none where the text has no header, and so is cells. A message where it has one and cannot be read.
+    There are none where the text has no header, and so is cells; a message, where it has one and cannot be read.
     """
     text = text.strip("\r\n")
     if text.lstrip().startswith("<"):

@@ -37,17 +37,11 @@ _UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellProblem:
-    """A problem and the cell that it is about.
-
-    Attributes:
-        problem: the reader's own.
-        row: number of the row, counted from 0; None where it is about the whole table.
-        field: the field, or the attribute of `TableText`; None where it is about a whole row or table.
-    """
+    """A problem of a reader's, and the cell that it is about."""
 
     problem: Problem
-    row: int | None = None
-    field: str | None = None
+    row: int | None = None  # its number, counted from 0; None where it is about the whole table
+    field: str | None = None  # or the attribute of `TableText`; None where it is about a whole row or table
 
     @property
     def text(self) -> str:
@@ -67,19 +61,12 @@ class CellProblem:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What a reader makes of a table.
-
-    Attributes:
-        table: the table.
-        manipulator: the arm of the rows that have been begun; None where something is wrong with them.
-        problems: errors and notices, in the order of the table.
-        waiting: how many rows at the end nobody has begun to fill in.
-    """
+    """What a reader makes of a table."""
 
     table: TableText
-    manipulator: Manipulator | None = None
-    problems: tuple[CellProblem, ...] = ()
-    waiting: int = 0
+    manipulator: Manipulator | None = None  # of the rows that have been begun; None where something is wrong with them
+    problems: tuple[CellProblem, ...] = ()  # errors and notices, in the order of the table
+    waiting: int = 0  # how many rows at the end nobody has begun to fill in
 
     @property
     def errors(self) -> tuple[CellProblem, ...]:
@@ -116,12 +103,10 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
             (item,) = read_items(default_call(catalog, reader), path)
         except InputError as error:
             item = Rejected(name=table.name, problems=error.problems, notices=error.notices)
-    manipulator = item if isinstance(item, Manipulator) else None
-    said = in_file_order((*item.notices, *(() if isinstance(item, Manipulator) else item.problems)))
-    told_here = (_without_path(problem, path, written) for problem in said)
-    return Reading(
-        table=table, manipulator=manipulator, problems=tuple(_located(each, written, table) for each in told_here)
-    )
+    manipulator, errors = (item, ()) if isinstance(item, Manipulator) else (None, item.problems)
+    said = (_without_path(problem, path, written) for problem in in_file_order((*item.notices, *errors)))
+    found = tuple(_located(each, written, table) for each in said)
+    return Reading(table=table, manipulator=manipulator, problems=found)
 
 
 def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:

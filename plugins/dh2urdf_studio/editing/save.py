@@ -39,19 +39,12 @@ _COMMA = re.compile(r"^([-+−]?[0-9]*),(?=[0-9]+(?:[eE][-+]?[0-9]+)?[^0-9,]*$)"
 
 
 class Saved(NamedTuple):
-    """A file to hand over.
-
-    Attributes:
-        name: its name.
-        content: what is in it.
-        proof: how far it is from the DH product, where it is a robot description.
-        missing: the suffixes of files that are not in it, where it is a zip of everything that can be made.
-    """
+    """A file to hand over."""
 
     name: str
     content: bytes
-    proof: Proof | None = None
-    missing: tuple[str, ...] = ()
+    proof: Proof | None = None  # how far it is from the DH product, where it is a robot description
+    missing: tuple[str, ...] = ()  # the suffixes of files that are not in a zip of everything that can be made
 
 
 def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
@@ -86,11 +79,7 @@ def saved(table: TableText, kind: str, name: str, variant: str, catalog: Catalog
 
 
 def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
-    """A table in the format of a reader.
-
-    Raises:
-        InputError: no such reader is installed, or it only reads.
-    """
+    """A table in the format of a reader, which is installed and does not only read."""
     reader = catalog.get("reader", format_name)
     if reader.name != catalog.cell_reader().name:  # which alone takes decimal commas
         rows = (
@@ -196,8 +185,7 @@ def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str
         file = table_file(table, reader.stage.name, catalog)
         path = Path(folder) / file.name
         path.write_bytes(file.content)
-        mark = Mark(file="dh2urdf studio")
-        made = carry_out(path, None, reader, recipe, mark)
+        made = carry_out(path, None, reader, recipe, Mark(file="dh2urdf studio"))
     return [
         Saved(file.name, file.content, emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written

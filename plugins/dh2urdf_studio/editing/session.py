@@ -36,62 +36,36 @@ LEAST_LENGTH = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OpenArm:
-    """The last table that was right, as robots.
-
-    Attributes:
-        table: the table.
-        keys: the keys of its rows.
-        manipulator: what a reader makes of it.
-        robot: the robot of the exact variant.
-        other: the robot of the other variant; None where it is not shown, there is none, or it refuses the table.
-        refusal: why it does.
-    """
+    """The last table that was right, as robots."""
 
     table: TableText
-    keys: tuple[str, ...]
+    keys: tuple[str, ...]  # of its rows
     manipulator: Manipulator
-    robot: Robot
-    other: Robot | None = None
-    refusal: tuple[CellProblem, ...] = ()
+    robot: Robot  # of the exact variant
+    other: Robot | None = None  # of the other variant; None where there is none, it is not shown, or it refuses
+    refusal: tuple[CellProblem, ...] = ()  # why it does
 
 
 class Session(Tab):
-    """What a tab of the studio shows.
-
-    Attributes:
-        catalog: the installed stages.
-        history: the table and its past.
-        reading: what the readers report about the table.
-        arm: the last arm that could be made; None before there is one.
-        variants: the variants of the transform, the usual one first.
-        variant: which variant is shown, or `BOTH`.
-        picked: the key of the row that is picked, as the page has told it; None where none is.
-        confirmed: messages of notices that a person has answered: the unit is right.
-        all_columns: whether columns are shown that are empty.
-        lesson: how many motions of the picked row are done, where the row is explained; None where it is not.
-        poses: joint values that a person has stored, by name [rad or m].
-        measured: the names of the two frames between which is measured; None where nothing is.
-        beside: the description that lies upon the arm, compared with it; None where there is none.
-        problems_of_making: why no arm can be made of a table that can be read.
-    """
+    """What a tab of the studio shows."""
 
     def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
         super().__init__("links", "axes", "frames", "outlines")
         self.catalog = catalog
         self.history = edits.History.of(table or TableText(name="arm"))
-        self.arm: OpenArm | None = None
-        self.variants = variants(catalog)
-        self.variant = self.variants[0]
-        self.picked: str | None = None
-        self.confirmed: frozenset[str] = frozenset()
-        self.all_columns = False
-        self.lesson: float | None = None
-        self.poses: list[dict[str, float]] = []
-        self.measured: tuple[str, str] | None = None
-        self.beside: Beside | None = None
+        self.arm: OpenArm | None = None  # the last one that could be made
+        self.variants = variants(catalog)  # of the transform, the usual one first
+        self.variant = self.variants[0]  # which of them is shown, or `BOTH`
+        self.picked: str | None = None  # the key of the row that is picked, which the page knows
+        self.confirmed: frozenset[str] = frozenset()  # notices that a person has answered: the unit is right
+        self.all_columns = False  # whether columns are shown that are empty
+        self.lesson: float | None = None  # how many motions of the picked row are done, where the row is explained
+        self.poses: list[dict[str, float]] = []  # joint values that a person has stored, by name [rad or m]
+        self.measured: tuple[str, str] | None = None  # the names of the two frames between which is measured
+        self.beside: Beside | None = None  # the description that lies upon the arm, compared with it
         self._described: tuple[Figure, str, str] | None = None
         self.reading = Reading(table=self.table)
-        self.problems_of_making: tuple[CellProblem, ...] = ()
+        self.problems_of_making: tuple[CellProblem, ...] = ()  # why no arm can be made of a table that can be read
         self._before_preview: tuple[OpenArm | None, dict[str, float], list[dict[str, float]], tuple[Slider, ...]] | None
         self._before_preview = None
         self.look()
@@ -138,12 +112,10 @@ class Session(Tab):
         self.put(edits.with_axes(self.table, axes, self._made), keys)
 
     def finish_typing(self, left: object, kept: TableText | None, *, is_new: bool) -> None:
-        """Takes the text that was being typed when the page lost the connection or was loaded anew.
+        """Takes the text that was being typed when the page lost the connection, or was loaded anew: see `with_typed`.
 
-        Args:
-            left: what `edits.with_typed` takes.
-            kept: the table with that text, as the browser has kept it.
-            is_new: whether the session had no table when the page asked: it is offered the whole kept table instead.
+        The browser has kept the table with that text. A session that had no table when the page asked (`is_new`) is
+        offered the whole of it instead.
         """
         if self.previews:  # nobody types on in a page that is gone
             self.look()
@@ -171,11 +143,7 @@ class Session(Tab):
         self._go_to(self.history.then(table, ()))
 
     def edit(self, row: int, field: str, text: str) -> None:
-        """A cell was typed.
-
-        Raises:
-            LookupError: there is no such cell.
-        """
+        """A cell was typed; a `LookupError` where there is no such cell."""
         self.put(edits.with_cells(self.table, {(row, field): text}))
 
     def set_texts(self, **texts: str) -> None:
@@ -191,11 +159,7 @@ class Session(Tab):
         self._go_to(self.history.redo())
 
     def preview(self, row: int, field: str, text: str) -> bool:
-        """Shows the arm of a cell that is still being typed, where there is one; nothing is kept of it.
-
-        Returns:
-            Whether there is something new to show.
-        """
+        """Shows the arm of a cell that is still being typed; nothing is kept of it. Whether there is something new."""
         try:
             table = edits.with_cells(self.table, {(row, field): text})
         except LookupError:

@@ -100,9 +100,7 @@ class Comparison:
     def joints(self, held: Sequence[Mapping[str, Any]]) -> list[Problem]:
         """Where the moving joints that the simulator has differ from the robot's.
 
-        Args:
-            held: the joints, each by its name and what a `LoadReport` has of it. A property that the simulator does
-                not have is left out, and not compared.
+        A joint has its name and what a `LoadReport` has of it. A property that is left out is not compared.
         """
         found = {joint["name"]: joint for joint in held}
         written_names = {joint.name for joint in self.robot.moving_joints}
@@ -129,9 +127,7 @@ class Comparison:
     ) -> tuple[dict[str, Any], list[Problem]]:
         """The mass of the arm and the largest errors of a link's, and where they are larger than they may be.
 
-        Args:
-            held: the links that the simulator has.
-            written: the links that it should have; those of the robot by default.
+        The links that it should have are `written`: those of the robot by default.
         """
         if written is None:
             written = {link.name: link.inertial or Inertial(mass=0.0) for link in self.robot.links}
@@ -176,17 +172,9 @@ class Comparison:
         written: Mapping[str, Inertial] | None = None,
         others: Iterable[Problem] = (),
     ) -> LoadReport:
-        """The report of an arm that has the joints and the masses that were written.
+        """The report of an arm that has the joints and the masses that were written; others are a `LoaderError`.
 
-        Args:
-            version: that of the simulator.
-            joints: the moving joints that it has.
-            bodies: the links that it has; None where it does not tell.
-            written: the links that it should have; those of the robot by default.
-            others: what else is wrong with the arm.
-
-        Raises:
-            LoaderError: it has another arm.
+        The bodies are None where the simulator does not tell; `others` is what else is wrong with the arm.
         """
         joints = tuple(joints)
         masses, problems = ({}, []) if bodies is None else self.masses(bodies, written)
@@ -199,13 +187,9 @@ class Comparison:
         return False
 
     def poses(self, frames: Callable[[Sequence[float], Sequence[str]], Mapping[str, RigidTransform]]) -> dict[str, Any]:
-        """The largest errors of every tip, and at which joint vector.
+        """The largest errors of every tip, and at which joint vector; a `LoaderError` where they are too large.
 
-        Args:
-            frames: puts the arm at a joint vector, and says where some links are in the root.
-
-        Raises:
-            LoaderError: they are larger than the simulator's arithmetic.
+        `frames` puts the arm at a joint vector, and returns where some links are in the root.
         """
         tolerances = {tip: self._tolerances(tip) for tip in self.request.expected}
         worst, worst_angle = 0.0, 0.0

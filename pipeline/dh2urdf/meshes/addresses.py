@@ -53,9 +53,6 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
     """The ROS packages in some folders, by the names that they give themselves; the first of a name is meant.
 
     A folder that holds ``package.xml`` is a package. Others may hold packages, up to `DEEPEST` folders below.
-
-    Raises:
-        InputError: a folder is none, or holds no package.
     """
     found: dict[str, Path] = {}
     problems: list[Problem] = []
@@ -151,11 +148,7 @@ class NamedFiles:
         self.unread: dict[str, str] = {}
 
     def get(self, name: str) -> bytes:
-        """The bytes of a file.
-
-        Raises:
-            OSError: it is not one of the mesh's own files, or cannot be read.
-        """
+        """The bytes of a file."""
         try:
             return self._read(name)
         except (OSError, ValueError) as error:

@@ -38,15 +38,7 @@ SECONDS = {MeshConversion.AUTO: 60.0, MeshConversion.HULL: 60.0, MeshConversion.
 
 
 def conversion_of(word: str, prefix: str | None) -> MeshConversion:
-    """What a word of a user means.
-
-    Args:
-        word: one of `MeshConversion`.
-        prefix: what `dh2urdf.meshes.files.prefix_of` gives.
-
-    Raises:
-        ConfigError: the word is none of them, or what is converted would be written nowhere.
-    """
+    """What a word of a user means; `prefix` is what `dh2urdf.meshes.files.prefix_of` gives."""
     try:
         how = MeshConversion(word)
     except ValueError:

@@ -44,15 +44,7 @@ _PACKAGE = r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/
 
 
 def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
-    """What descriptions write before the name of a copy; None where nothing is copied.
-
-    Args:
-        word: one of `ACCEPTED`.
-        in_folders: whether the descriptions lie in folders of the output.
-
-    Raises:
-        ConfigError: the word is none of them.
-    """
+    """What descriptions, maybe in folders of the output, write before the name of a copy; None without copies."""
     if word == RELATIVE:
         return f"../{FOLDER}/" if in_folders else f"{FOLDER}/"
     if word == FILE:
@@ -97,12 +89,7 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
 
 
 def _refuse_link(path: Path, folder: Path, text: str) -> None:
-    """Refuses a path that a link leads elsewhere than it says.
-
-    Raises:
-        ConfigError: it lies in the folder, and a link leads out of it; or it is written as a path to another folder,
-            and the file there is a link out of that one.
-    """
+    """Refuses a path that a link leads elsewhere than it says."""
     home = os.path.abspath(folder)  # noqa: PTH100 - as above
     said = home if path.is_relative_to(home) else path.parent
     target = Path(os.path.realpath(path))
@@ -120,11 +107,7 @@ def _digest(path: str, _changed: int, _size: int) -> str:
 
 
 def read_mesh(file: MeshFile) -> bytes:
-    """What is in a mesh file.
-
-    Raises:
-        OutputError: it cannot be read any more, or is not what it was when its table was read.
-    """
+    """What is in a mesh file."""
     if file.content is not None:
         return file.content
     from hashlib import sha256
@@ -153,12 +136,7 @@ def copy_path(file: MeshFile) -> str:
 
 
 def located(robot: Robot, prefix: str | None) -> Robot:
-    """A robot whose meshes are named as descriptions shall name them.
-
-    Args:
-        robot: the robot; of a cell, the kinds of its arms are changed too.
-        prefix: what `prefix_of` gives.
-    """
+    """A robot, and the kinds of its arms, whose meshes are named as descriptions name them; see `prefix_of`."""
     if prefix is None or not mesh_files(robot):
         return robot
 
@@ -174,16 +152,7 @@ def located(robot: Robot, prefix: str | None) -> Robot:
 def with_shapes(
     robot: Robot, seen: Callable[[Visual], Iterable[Visual]], touching: Callable[[Collision], Iterable[Collision]]
 ) -> Robot:
-    """A robot whose shapes are others.
-
-    Args:
-        robot: the robot; of a cell, the kinds of its arms are changed too.
-        seen: what takes the place of a visual.
-        touching: what takes the place of a collision.
-
-    Raises:
-        EmitterError: as `seen` and `touching` do, with the name of the link.
-    """
+    """A robot, and the kinds of its arms, with other visuals and collisions; an `EmitterError` names the link."""
     kinds = {id(arm.kind): with_shapes(arm.kind, seen, touching) for arm in robot.arms}
     links = []
     for link in robot.links:

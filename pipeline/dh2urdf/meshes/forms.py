@@ -41,19 +41,9 @@ class Forms(NamedTuple):
 
 
 def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, seconds: float) -> Forms:
-    """The forms of a mesh file, made in this process, which can do nothing else from then on.
+    """The forms of a mesh file, made in this process within some seconds; it can do nothing else from then on.
 
-    Args:
-        content: the file.
-        suffix: one of `dh2urdf.meshes.triangles.FORMATS`.
-        scale: factors along the axes of the mesh.
-        how: what is made of it.
-        seconds: computing time that is left [s].
-
-    Raises:
-        ImportError: a package is not installed.
-        MemoryError: it needs more memory than the fence leaves.
-        ValueError: there is something wrong with the mesh, and the message says what.
+    A `ValueError` says what is wrong with the mesh; an `ImportError` and a `MemoryError` are what they are.
     """
     _warm_up(suffix, how)
     enter([Path(__file__).parent], seconds)

@@ -118,9 +118,6 @@ def asset_of(content: bytes, suffix: str) -> Asset:
     """What a file declares about its unit and its axes.
 
     STL and OBJ say nothing: metres with z up are meant. glTF has metres with y up.
-
-    Raises:
-        ValueError: it is no XML, or its unit is no length.
     """
     if suffix in (".glb", ".gltf"):
         return Asset(up="Y_UP")
@@ -151,11 +148,7 @@ def _elements(content: bytes) -> Any:  # noqa: ANN401 - an element of lxml
 
 
 def to_metres(asset: Asset) -> Any:  # noqa: ANN401 - an array
-    """The homogeneous matrix from a file's unit and axes to metres with z up.
-
-    Raises:
-        ValueError: the axis is none of COLLADA's.
-    """
+    """The homogeneous matrix from a file's unit and axes to metres with z up."""
     import numpy as np
 
     if asset.up not in {"Z_UP", *_TO_Z_UP}:
@@ -185,11 +178,6 @@ def read_parts(
         as_in_ros: whether the axis up of a COLLADA file is taken for z whatever the file says: so do RViz and MoveIt,
             and makers' descriptions are drawn for them.
         named: reads the materials and textures that the file names; without it they are not read.
-
-    Raises:
-        ImportError: as `load_scene`.
-        ValueError: there are no triangles, or a corner is not finite.
-        Exception: as `load_scene`.
     """
     import numpy as np
 
@@ -267,14 +255,10 @@ def _joined(pieces: list[tuple[Any, Any, Texture | None]]) -> tuple[Any, Any]:
 
 
 def enclosed(triangles: Any, middle: Any) -> Inertial | None:  # noqa: ANN401 - arrays (N, 3, 3) and (3,)
-    """The body that triangles enclose, of 1 kg/m³; whether they are seen from inside or outside does not matter.
+    """The body that triangles enclose, of 1 kg/m³; None where they enclose nothing.
 
-    Args:
-        triangles: corners [m], of shape (N, 3, 3).
-        middle: a point in their midst [m], of shape (3,): the closer, the less rounding.
-
-    Returns:
-        The body; None where the triangles enclose nothing.
+    Whether they are seen from inside or outside does not matter. Corners [m] have the shape (N, 3, 3). The closer the
+    middle is to their midst, the less rounding there is.
     """
 
     def total(column: Any) -> float:  # noqa: ANN401 - an array

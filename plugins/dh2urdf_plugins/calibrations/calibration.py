@@ -55,11 +55,7 @@ class Calibration(NamedTuple):
     notices: tuple[Problem, ...] = ()
 
     def applied(self, rows: Sequence[DHRow]) -> list[DHRow]:
-        """The rows with their differences.
-
-        Raises:
-            TableError: a difference belongs to no row, or there is not one for each.
-        """
+        """The rows with their differences."""
         names = [row.joint for row in rows if row.type is not JointType.FIXED or not self.of_moving_rows]
         joints = names if self.joints is None else self.joints
         if len(joints) != len(self.differences):
@@ -121,11 +117,7 @@ _EXAMPLE = "[0.0001, -0.2, 0, 0, 0, 0]"
 
 
 def read_ur_conf(path: Path, convention: Convention) -> Calibration:
-    """The differences of a `calibration.conf`, for a table of a convention.
-
-    Raises:
-        TableError: the file cannot be read, a list is missing or wrong, or the table is of the other convention.
-    """
+    """The differences of a `calibration.conf`, for a table of a convention."""
     file = str(path)
     if convention is not Convention.STANDARD:
         mark = Mark(file=file)
@@ -193,23 +185,14 @@ def unreadable(path: Path, field: str) -> list[Problem]:
 
 
 class CalibrationFile:
-    """A file of differences, which is read once for each convention of a table.
-
-    Args:
-        path: the file.
-        units: the units of numbers that name none, as options of a reader of tables.
-    """
+    """A file of differences, which is read once for each convention of a table; `units` are those of bare numbers."""
 
     def __init__(self, path: Path, units: Mapping[str, Any]) -> None:
         self.path, self._units = path, units
         self._read: dict[Convention, Calibration] = {}
 
     def read(self, convention: Convention) -> Calibration:
-        """The differences, for a table of a convention.
-
-        Raises:
-            TableError: the file cannot be read, or holds something else.
-        """
+        """The differences, for a table of a convention."""
         if convention not in self._read:
             is_conf = self.path.suffix.lower() == CONF
             self._read[convention] = read_ur_conf(self.path, convention) if is_conf else self._table(convention)

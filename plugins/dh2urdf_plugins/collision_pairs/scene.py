@@ -65,11 +65,7 @@ class Mechanism:
         return joint.type is not JointType.FIXED or joint.name in self.loose
 
     def from_root(self) -> tuple[Joint, ...]:
-        """The joints, each behind the one that holds its parent.
-
-        Raises:
-            InputError: the links are not a tree with one root, a joint follows none, or an axis has no length.
-        """
+        """The joints, each behind the one that holds its parent."""
         links, followers, joints = [link.name for link in self.robot.links], self._moved(), self.robot.joints
         able = following(followers, [joint.name for joint in joints if self.moves(joint)])
         for joint in joints:
@@ -151,16 +147,7 @@ class Scene:
     """
 
     def __init__(self, mechanism: Mechanism, mesh: Callable[[Mesh], tuple[bytes, str]]) -> None:
-        """Builds the mechanism in pinocchio.
-
-        Args:
-            mechanism: the links and joints.
-            mesh: the content and the suffix of a mesh.
-
-        Raises:
-            InputError: the links are no tree, or a mesh cannot be read.
-            MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-        """
+        """Builds the mechanism in pinocchio; `mesh` returns the content and the suffix of a mesh."""
         self._pinocchio, self._coal = _package("pinocchio", "pin"), _package("coal", "coal")
         self._mechanism, self._mesh = mechanism, mesh
         self._meshes: dict[tuple[str, Vec3], Any] = {}

@@ -79,12 +79,7 @@ class CollisionPairs:
 
 
 def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
-    """The collision pairs of a robot that was made of tables.
-
-    Raises:
-        EmitterError: a mesh cannot be read.
-        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-    """
+    """The collision pairs of a robot that was made of tables."""
     try:
         return collision_pairs(Mechanism(robot=robot), _content, options)
     except InputError as error:
@@ -100,17 +95,7 @@ def _content(mesh: Mesh) -> tuple[bytes, str]:
 def collision_pairs(
     mechanism: Mechanism, mesh: Callable[[Mesh], tuple[bytes, str]], options: PairOptions
 ) -> CollisionPairs:
-    """The collision pairs of a mechanism.
-
-    Args:
-        mechanism: the links and joints.
-        mesh: the content and the suffix of a mesh.
-        options: how they are looked for.
-
-    Raises:
-        InputError: the links are no tree, or a mesh cannot be read.
-        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-    """
+    """The collision pairs of a mechanism; `mesh` returns the content and the suffix of a mesh."""
     scene = Scene(mechanism, mesh)
     random = Random(options.seed)  # noqa: S311 - states, no secrets
     reasons: dict[Pair, Reason] = {}

@@ -51,11 +51,7 @@ class CalibrateOptions:
 
 
 def edit_table(manipulator: Manipulator, options: CalibrateOptions) -> Manipulator:
-    """The manipulator with the differences in its rows, and a notice of how far they move its tip.
-
-    Raises:
-        EditError: no file is given, or the file is not one of differences to this table's rows.
-    """
+    """The manipulator with the differences in its rows, and a notice of how far they move its tip."""
     if options.calibration is None:
         raise EditError(say("calibrate-without-file", robot=manipulator.name, field="edits"))
     try:

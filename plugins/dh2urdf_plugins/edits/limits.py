@@ -43,11 +43,7 @@ class LimitsOptions:
 
     @property
     def margins(self) -> tuple[float, float]:
-        """The margin of joints that turn [rad], and of those that slide [m].
-
-        Raises:
-            ValueError: the margin is neither an angle nor a length.
-        """
+        """The margin of joints that turn [rad], and of those that slide [m]."""
         if not isinstance(self.margin, str):
             return (self.margin, self.margin)
         from dh2urdf.quantities import Dimension, QuantityError, evaluate
@@ -64,11 +60,7 @@ class LimitsOptions:
 
 
 def edit_table(manipulator: Manipulator, options: LimitsOptions) -> Manipulator:
-    """The manipulator with other limits of its joints.
-
-    Raises:
-        EditError: a joint is unknown, or nothing of a range is left.
-    """
+    """The manipulator with other limits of its joints."""
     from dh2urdf.columns import LIMITS
     from dh2urdf.fields import replace_unchecked
     from dh2urdf.manipulator import JointType

@@ -48,11 +48,7 @@ class MountOptions:
 
 
 def edit_robot(robot: Robot, options: MountOptions) -> Robot:
-    """The robot with one more link on a fixed joint, and an optical frame in it where that is asked for.
-
-    Raises:
-        EditError: there is no such parent, or a name is taken or missing.
-    """
+    """The robot with one more link on a fixed joint, and an optical frame in it where that is asked for."""
     from dh2urdf.errors import EditError
     from dh2urdf.kinematics.mass import placed, solid
     from dh2urdf.robot import Box, Collision, Inertial, Link, Origin, Visual

@@ -65,11 +65,7 @@ def _tensor(elements: tuple[float, ...]) -> Inertia:
 
 
 def edit_table(manipulator: Manipulator, options: PayloadOptions) -> Manipulator:
-    """The manipulator with the payload; one that it has already is carried together with the new one.
-
-    Raises:
-        EditError: the options have no mass, or two payloads cannot be joined, since one has no inertia.
-    """
+    """The manipulator with the payload; one that it has already is carried together with the new one."""
     from dh2urdf.errors import EditError
     from dh2urdf.fields import replace_unchecked
     from dh2urdf.kinematics.mass import compound, scaled, solid

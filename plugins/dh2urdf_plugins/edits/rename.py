@@ -51,9 +51,6 @@ def edit_table(manipulator: Manipulator, options: RenameOptions) -> Manipulator:
 
     base_link, flange and tool0 are the same in every robot, and keep their names; the arm of a cell has a prefix for
     these too.
-
-    Raises:
-        EditError: a name is empty afterwards, or two are the same.
     """
     from dh2urdf.fields import replace_unchecked
 

@@ -73,21 +73,13 @@ class DaskOptions:
 
 
 def require(_options: DaskOptions) -> None:
-    """Ask whether Dask's scheduler is there, without importing it.
-
-    Raises:
-        MissingDependencyError: it is not installed.
-    """
+    """Ask whether Dask's scheduler is there, without importing it."""
     if importlib.util.find_spec("distributed") is None:
         raise MissingDependencyError("executor 'dask'", "distributed", "dh2urdf[dask]")
 
 
 def map_on_dask(function: Callable[[Any], Any], tasks: Iterable[Any], options: DaskOptions) -> Iterator[Any]:
-    """Results of a function over tasks, in their order, from the workers of a Dask cluster.
-
-    Raises:
-        ExecutorError: no scheduler answers, no worker is there or comes back, or workers have other versions.
-    """
+    """Results of a function over tasks, in their order, from the workers of a Dask cluster."""
     from dh2urdf.plugin_system import handed_over
 
     with ExitStack() as stack:

@@ -59,9 +59,6 @@ def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: L
 
     One task needs no other process: it is done in this one, and so are all where one worker is asked for. A task that
     is a collection of several things is worth a process of its own, which may crash, on one processor too.
-
-    Raises:
-        ExecutorError: no worker process can be started, or none can import the function.
     """
     workers = processors() if options.workers == "auto" else options.workers
     waiting = iter(tasks)

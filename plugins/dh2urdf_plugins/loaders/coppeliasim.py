@@ -22,12 +22,11 @@ from __future__ import annotations
 
 import fcntl
 import math
-import os
 import socket
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from ipaddress import ip_address
 from pathlib import Path
@@ -51,7 +50,6 @@ from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from io import BufferedReader
 
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint
@@ -91,12 +89,7 @@ REMEDY = (
 
 
 def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
-    """Have CoppeliaSim import a URDF, and measure the arm; it is taken out of the scene again.
-
-    Raises:
-        LoaderError: CoppeliaSim cannot import the file, or holds another arm than the one that was written.
-        MissingProgramError: no CoppeliaSim answers.
-    """
+    """Have CoppeliaSim import a URDF, and measure the arm; it is taken out of the scene again."""
     import zmq
 
     client_class = sys.modules["coppeliasim_zmqremoteapi_client"].RemoteAPIClient
@@ -123,69 +116,42 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
             report = arm.report()
             if options.engine is None:
                 return report
-            held, findings = arm.hold(options.engine)
-            return replace(report, hold=held, findings=(*report.findings, *findings))
+            held = arm.hold(options.engine)
+            return replace(report, hold=held["hold"], findings=(*report.findings, *held["findings"]))
 
 
 @contextmanager
 def turn(key: str, what: str, patience: float) -> Iterator[None]:
-    """Wait until no other process of this machine uses a program, and use it alone.
+    """Wait up to some patience [s] until no other process of this machine uses a program, and use it alone.
 
-    The system ends the turn of a process that crashes or is killed.
-
-    Args:
-        key: names the program; part of a file name.
-        what: names it in messages.
-        patience: how long to wait [s].
-
-    Raises:
-        LoaderError: others have used it all the time.
+    The system ends the turn of a process that crashes or is killed. The locked file stays, for the next one.
     """
     path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
     deadline = time.monotonic() + patience
-    while (lock := _locked(path)) is None:
-        if time.monotonic() > deadline:
-            how = "use fewer workers, or start another one"
-            raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}")
-        time.sleep(_AGAIN)
-    with lock:
-        try:
-            yield
-        finally:
-            with suppress(PermissionError):  # Another user's file stays.
-                path.unlink()
-
-
-def _locked(path: Path) -> BufferedReader | None:
-    """Open and lock a file; None where another process has the lock, or has just removed the file."""
     with suppress(PermissionError):  # Another user's file can be locked, too.
         path.touch(mode=0o644)
-    with suppress(BlockingIOError, FileNotFoundError), ExitStack() as opened:
-        file = opened.enter_context(path.open("rb"))
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.path.samestat(os.fstat(file.fileno()), path.stat()):
-            opened.pop_all()
-            return file
-    return None
+    with path.open("rb") as file:
+        while True:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > deadline:
+                    how = "use fewer workers, or start another one"
+                    raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}") from None
+                time.sleep(_AGAIN)
+        yield
 
 
 class Connection:
-    """A CoppeliaSim that answers, and its errors as ours.
-
-    Args:
-        client: the `RemoteAPIClient` of Coppelia Robotics.
-    """
+    """A CoppeliaSim that answers through a client of Coppelia Robotics, and its errors as ours."""
 
     def __init__(self, client: Any) -> None:  # noqa: ANN401 - a library without type information
         self.client = client
         self.lost = False
 
     def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - any function of CoppeliaSim
-        """Call a function of CoppeliaSim.
-
-        Raises:
-            LoaderError: CoppeliaSim refuses, or does not answer any more.
-        """
+        """Call a function of CoppeliaSim."""
         import zmq
 
         try:
@@ -199,16 +165,7 @@ class Connection:
 
 
 class Arm(measures.Model):
-    """The arm as CoppeliaSim holds it, beside the robot that was written.
-
-    Args:
-        request: the file and the robot.
-        connection: the CoppeliaSim.
-        same_machine: whether CoppeliaSim runs where the file is.
-
-    Raises:
-        LoaderError: CoppeliaSim cannot import the file.
-    """
+    """The arm as CoppeliaSim holds it, beside the robot that was written; it may run on another machine."""
 
     def __init__(self, request: LoadRequest, connection: Connection, *, same_machine: bool) -> None:
         self.request, self.robot, self.connection = request, request.robot, connection
@@ -224,7 +181,14 @@ class Arm(measures.Model):
         self.shapes: dict[str, int] = {}
         try:
             self._import(same_machine=same_machine)
-            self._find_objects()
+            # A joint gets its name in the file, a shape keeps CoppeliaSim's; a fixed joint, a force sensor, is neither.
+            written = {alias(joint.name): joint.name for joint in self.robot.moving_joints}
+            for handle in self._imported():
+                kind, name = self.ask(self.sim.getObjectType, handle), self.ask(self.sim.getObjectAlias, handle)
+                if kind == self.sim.sceneobject_joint:
+                    self.joints[written.get(name, name)] = handle
+                elif kind == self.sim.sceneobject_shape:
+                    self.shapes[name] = handle
             self.misread = next(filter(self._is_misread, self.robot.moving_joints), None)
             self._restore_limits()
         except LoaderError:
@@ -235,17 +199,17 @@ class Arm(measures.Model):
         """The handles of all objects of the scene."""
         return list(self.ask(self.sim.getObjectsInTree, self.sim.handle_scene))
 
+    def _imported(self) -> list[int]:
+        """The handles of what was imported."""
+        return [handle for handle in self._scene() if handle not in self.before]
+
     def close(self) -> None:
         """Take what was imported out of the scene again."""
-        if not self.connection.lost and (imported := [each for each in self._scene() if each not in self.before]):
+        if not self.connection.lost and (imported := self._imported()):
             self.ask(self.sim.removeObjects, imported)
 
     def report(self) -> LoadReport:
-        """Measure everything.
-
-        Raises:
-            LoaderError: CoppeliaSim holds another arm.
-        """
+        """Measure everything."""
         try:
             return self._report()
         except LoaderError as error:
@@ -273,21 +237,20 @@ class Arm(measures.Model):
         version = f"{number // 1000000}.{number // 10000 % 100}.{number // 100 % 100}.{number % 100}"
         report = self.comparison.loaded(version, joints, bodies, written)
         mass = total(body.mass for body in bodies.values())
-        return replace(report, mass=mass, findings=self._findings(bodies), **poses)
+        return replace(report, mass=mass, findings=tuple(self._findings(bodies)), **poses)
 
     # The import
 
     def _import(self, *, same_machine: bool) -> None:
         """Import the file by its path where CoppeliaSim can see it, else as a text."""
-        path = self.request.path
-        text = self._text(path)
+        text = self._text()
         importer = self.ask(self.connection.client.require, "simURDF")
         if not hasattr(importer, "importFile"):
             raise LoaderError("this CoppeliaSim is too old: its URDF importer has no `importFile`")
         roots: Sequence[int] = ()
         try:
             if same_machine:
-                _, roots = self.ask(importer.importFile, str(path.resolve()), OPTIONS)
+                _, roots = self.ask(importer.importFile, str(self.request.path.resolve()), OPTIONS)
             if not roots:  # It runs in a container, say, and does not see the file.
                 _, roots = self.ask(importer.importFile, text, OPTIONS)
         except LoaderError as error:
@@ -299,11 +262,12 @@ class Arm(measures.Model):
         if not roots:
             raise LoaderError(self.comparison.placed(say("coppeliasim-imported-nothing")))
 
-    def _text(self, path: Path) -> str:
-        """The text of a file as the importer takes it.
+    def _text(self) -> str:
+        """The text of the file as the importer takes it: with a declaration, by which it tells a text from a path.
 
-        By the declaration it tells a text from a path. Meshes get absolute paths: beside a text it looks for none.
+        Meshes get absolute paths: beside a text it looks for none.
         """
+        path = self.request.path
         try:
             tree = xml_root(path.read_bytes())
         except (OSError, etree.XMLSyntaxError) as error:
@@ -314,21 +278,6 @@ class Arm(measures.Model):
             if "://" not in name:
                 mesh.set("filename", str((path.parent / name).resolve()))
         return '<?xml version="1.0"?>\n' + etree.tostring(tree, encoding="unicode")
-
-    def _find_objects(self) -> None:
-        """The handles of the joints and of the shapes, by name; a fixed joint is neither, but a force sensor.
-
-        A joint has its name in the file, a shape that which CoppeliaSim gives it.
-        """
-        written = {alias(joint.name): joint.name for joint in self.robot.moving_joints}
-        for handle in self._scene():
-            if handle in self.before:
-                continue
-            kind, name = self.ask(self.sim.getObjectType, handle), self.ask(self.sim.getObjectAlias, handle)
-            if kind == self.sim.sceneobject_joint:
-                self.joints[written.get(name, name)] = handle
-            elif kind == self.sim.sceneobject_shape:
-                self.shapes[name] = handle
 
     def _is_misread(self, joint: Joint) -> bool:
         """Whether the importer cannot have read a joint right: one about -z turns about +z, or it could not be at 0."""
@@ -411,46 +360,31 @@ class Arm(measures.Model):
         shapes = {name: self._shape(name) for name in links}
         return {name: self._frame(shape) for name, shape in shapes.items() if shape is not None}
 
-    def _findings(self, bodies: dict[str, Body]) -> tuple[Problem, ...]:
-        moved = {joint.child for joint in self.robot.moving_joints}
-        heavy = [
-            f"{shown(link.name)} ({bodies[link.name].mass:g} kg)"
-            for link in self.robot.links
-            if link.inertial and not link.inertial.mass and bodies[link.name].mass > _MASSLESS
-        ]
-        static = [
-            shown(link.name)
-            for link in self.robot.links
-            if link.name in moved
-            and (shape := self._shape(link.name)) is not None
-            and self.ask(self.sim.getObjectInt32Param, shape, self.sim.shapeintparam_static)
-        ]
-        told = (
-            (
-                heavy,
-                "links without mass weigh something in CoppeliaSim",
-                "it takes a mass of 0 for none said: leave the `inertial` of these links out",
-            ),
-            (
-                static,
-                "links are static in CoppeliaSim, and stand still in a simulation",
-                "a link needs a collision shape and an `inertial` to move there",
-            ),
-        )
-        return tuple(
-            self.comparison.placed(say("coppeliasim-has-otherwise", what=what, links=listed(links), suggestion=how))
-            for links, what, how in told
-            if links
-        )
+    def _findings(self, bodies: dict[str, Body]) -> Iterator[Problem]:
+        """Links that weigh something in CoppeliaSim alone, or do not move in its simulations."""
+        moved, heavy, static = {joint.child for joint in self.robot.moving_joints}, [], []
+        for link in self.robot.links:
+            if link.inertial and not link.inertial.mass and (mass := bodies[link.name].mass) > _MASSLESS:
+                heavy.append(f"{shown(link.name)} ({mass:g} kg)")
+            shape = self._shape(link.name) if link.name in moved else None
+            if shape is not None and self.ask(self.sim.getObjectInt32Param, shape, self.sim.shapeintparam_static):
+                static.append(shown(link.name))
+        if heavy:
+            what = "links without mass weigh something in CoppeliaSim"
+            how = "it takes a mass of 0 for none said: leave the `inertial` of these links out"
+            yield self._otherwise(what, heavy, how)
+        if static:
+            what = "links are static in CoppeliaSim, and stand still in a simulation"
+            how = "a link needs a collision shape and an `inertial` to move there"
+            yield self._otherwise(what, static, how)
+
+    def _otherwise(self, what: str, links: Sequence[str], how: str) -> Problem:
+        return self.comparison.placed(say("coppeliasim-has-otherwise", what=what, links=listed(links), suggestion=how))
 
     # The hold test, by an engine of CoppeliaSim's
 
-    def hold(self, engine: str) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-        """Have the arm hold itself for two seconds, and put the scene back as it was.
-
-        Raises:
-            LoaderError: this CoppeliaSim has no such engine.
-        """
+    def hold(self, engine: str) -> dict[str, Any]:
+        """Have the arm hold itself for two seconds, and put the scene back as it was."""
         ask, sim, start = self.ask, self.sim, measures.hold_start(self.robot)
         before = ask(sim.getInt32Param, sim.intparam_dynamic_engine)
         ask(sim.setInt32Param, sim.intparam_dynamic_engine, getattr(sim, f"physics_{engine}"))
@@ -467,13 +401,13 @@ class Arm(measures.Model):
                 self._stop()
                 ask(sim.setStepping, False)
                 ask(sim.setInt32Param, sim.intparam_dynamic_engine, before)
-        record, findings = self.comparison.hold(start, displacement, ())
+        held = self.comparison.hold(start, displacement, ())
         tip, distance = max(apart.items(), key=lambda item: item[1])
-        if distance <= measures.HOLD_STAYS:
-            return record, findings
-        code, seconds = "coppeliasim-joints-apart", measures.HOLD_SECONDS
-        finding = self.comparison.placed(say(code, engine=engine, seconds=seconds, tip=tip, distance=distance))
-        return {**record, "stayed": False}, (*findings, finding)
+        if distance > measures.HOLD_STAYS:
+            code, seconds = "coppeliasim-joints-apart", measures.HOLD_SECONDS
+            finding = self.comparison.placed(say(code, engine=engine, seconds=seconds, tip=tip, distance=distance))
+            return {"hold": {**held["hold"], "stayed": False}, "findings": (*held["findings"], finding)}
+        return held
 
     def _vectors(self, engine: str, apart: dict[str, float]) -> Iterator[list[float]]:
         """Give the joint vector of each step of a simulation; note how far each tip is from where joints put it [m]."""

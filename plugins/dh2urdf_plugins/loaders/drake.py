@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
@@ -40,12 +39,7 @@ _MARK = "Drake logged "
 
 
 class Held(measures.Model):
-    """What Drake makes of a file; `build` is called before joints are put.
-
-    Raises:
-        RuntimeError: Drake refuses the file.
-        SystemExit: Drake's C++ aborts.
-    """
+    """What Drake makes of a file; `build` is called before joints are put."""
 
     def __init__(self, path: Path, packages: Mapping[str, Path]) -> None:
         from pydrake.multibody.parsing import Parser
@@ -149,12 +143,11 @@ def _lengths_of_shape(inspector: Any, shape: Any) -> measures.Lengths | None:  #
         case Box() as box:
             return measures.lengths(box.width(), box.depth(), box.height())
         case Sphere() as sphere:
-            return measures.lengths(*(3 * (2 * sphere.radius(),)))
+            return measures.round_lengths(sphere.radius())
         case Cylinder() as cylinder:
-            return measures.lengths(2 * cylinder.radius(), 2 * cylinder.radius(), cylinder.length())
+            return measures.round_lengths(cylinder.radius(), cylinder.length())
         case Capsule() as capsule:
-            wide = 2 * capsule.radius()
-            return measures.lengths(wide, wide, wide + capsule.length())
+            return measures.round_lengths(capsule.radius(), 2 * capsule.radius() + capsule.length())
     hull = inspector.GetConvexHull(shape)
     return None if hull is None else measures.lengths_of([hull.vertex(at) for at in range(hull.num_vertices())])
 
@@ -163,11 +156,9 @@ def _lengths_of_shape(inspector: Any, shape: Any) -> measures.Lengths | None:  #
 
 
 def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
-    """Load a URDF or SDF into Drake and measure it.
+    """Load a URDF or SDF into Drake and measure it."""
+    from pydrake.multibody.tree import PdControllerGains
 
-    Raises:
-        LoaderError: Drake cannot load the file, or holds another arm than the one that was written.
-    """
     log_to_output()
     # Drake holds the inertia about the link's origin: a centre of mass far from it costs digits.
     comparison = measures.Comparison("Drake", request, DOUBLE._replace(inertia_about_origin=1e-15))
@@ -179,20 +170,27 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     root, world = held.frame(request.robot.root), held.plant.world_body()
     if root.body().index() not in {body.index() for body in held.plant.GetBodiesWeldedTo(world)}:
         held.plant.WeldFrames(held.plant.world_frame(), root)
-    _add_motors(held, comparison)
+    # A motor on every joint whose effort is above 0, with a stiff spring as its control. The spring cannot make the
+    # simulation unstable: Drake solves for it implicitly (the SAP solver), and keeps it within the effort.
+    motors = held.actuators()
+    for joint in request.robot.moving_joints:
+        if effort := joint.limits.effort:
+            motor = motors.get(joint.name)
+            motor = motor or held.plant.AddJointActuator(f"hold {joint.name}", held.joints[joint.name], effort)
+            motor.set_controller_gains(PdControllerGains(p=effort / YIELD, d=effort / YIELD * 0.1))
     held.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
     _guarded(comparison, held.plant.Finalize, "cannot compute with the arm")
     held.build()
     report = replace(report, **comparison.poses_of(held))
     if not joints:
         return report
-    hold, findings = _hold(held, comparison)
+    report = replace(report, **_hold(held, comparison))
     # A controller in Drake cannot move these, and it has not kept their efforts.
     if idle := [shown(joint["name"]) for joint in joints if "effort" not in joint]:
         count = "1 joint" if len(idle) == 1 else f"{len(idle)} joints"
-        idle_joints = say("drake-without-actuators", count=count, joints=listed(idle, 8))
-        findings = (comparison.placed(idle_joints), *findings)
-    return replace(report, hold=hold, findings=findings)
+        idle_joints = comparison.placed(say("drake-without-actuators", count=count, joints=listed(idle, 8)))
+        report = replace(report, findings=(idle_joints, *report.findings))
+    return report
 
 
 def _guarded(comparison: measures.Comparison, call: Callable[[], Any], doing: str) -> Any:  # noqa: ANN401 - of Drake
@@ -204,23 +202,7 @@ def _guarded(comparison: measures.Comparison, call: Callable[[], Any], doing: st
         raise LoaderError(comparison.placed(say("drake-refuses", doing=doing, reason=said))) from error
 
 
-def _add_motors(held: Held, comparison: measures.Comparison) -> None:
-    """Put a motor on every joint whose effort is above 0, with a stiff spring as its control.
-
-    The spring cannot make the simulation unstable: Drake solves for it implicitly (the SAP solver, and
-    `PdControllerGains`), and keeps it within the effort.
-    """
-    from pydrake.multibody.tree import PdControllerGains
-
-    motors = held.actuators()
-    for joint in comparison.robot.moving_joints:
-        if effort := joint.limits.effort:
-            motor = motors.get(joint.name)
-            motor = motor or held.plant.AddJointActuator(f"hold {joint.name}", held.joints[joint.name], effort)
-            motor.set_controller_gains(PdControllerGains(p=effort / YIELD, d=effort / YIELD * 0.1))
-
-
-def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+def _hold(held: Held, comparison: measures.Comparison) -> dict[str, Any]:
     """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
     from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
     from pydrake.systems.analysis import Simulator
@@ -228,8 +210,14 @@ def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], 
     start = measures.hold_start(comparison.robot)
     targets = comparison.values(start)
     held.put(targets)
-    contacts = comparison.overlapping(_overlaps(held))
-    shapes = GeometrySet(held.scene.model_inspector().GetAllGeometryIds())
+    query = held.scene.get_query_output_port().Eval(held.scene.GetMyContextFromRoot(held.context))
+    inspector, overlaps = held.scene.model_inspector(), []
+    for pair in query.ComputePointPairPenetration():
+        if pair.depth > measures.OVERLAP:
+            frames = map(inspector.GetFrameId, (pair.id_A, pair.id_B))
+            first, second = (str(held.plant.GetBodyFromFrameId(frame).name()) for frame in frames)
+            overlaps.append((first, second))
+    shapes = GeometrySet(inspector.GetAllGeometryIds())
     filters = held.scene.collision_filter_manager(held.scene.GetMyMutableContextFromRoot(held.context))
     filters.Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))  # From now on nothing touches.
     for model in held.models:  # Positions, then velocities, in the order of each model's actuators.
@@ -244,29 +232,14 @@ def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], 
             _guarded(comparison, partial(simulator.AdvanceTo, step * measures.TIME_STEP), "cannot simulate the arm")
             yield held.plant.GetPositions(held.state)[columns]
 
-    return comparison.hold(start, measures.farthest(start, vectors()), contacts)
-
-
-def _overlaps(held: Held) -> Iterator[tuple[str, str]]:
-    """The pairs of links whose collision shapes overlap."""
-    query = held.scene.get_query_output_port().Eval(held.scene.GetMyContextFromRoot(held.context))
-    inspector = held.scene.model_inspector()
-    for pair in query.ComputePointPairPenetration():
-        if pair.depth > measures.OVERLAP:
-            frames = [inspector.GetFrameId(shape) for shape in (pair.id_A, pair.id_B)]
-            first, second = (str(held.plant.GetBodyFromFrameId(frame).name()) for frame in frames)
-            yield first, second
+    return comparison.hold(start, measures.farthest(start, vectors()), comparison.overlapping(overlaps))
 
 
 # --- A file of any origin
 
 
 def inspect(question: Question) -> HeldRobot:
-    """What Drake makes of a URDF, an SDF or an MJCF.
-
-    Raises:
-        LoaderError: it refuses the file, or what it makes of it.
-    """
+    """What Drake makes of a URDF, an SDF or an MJCF."""
     log_to_output()
     try:
         held = Held(question.path, question.packages)

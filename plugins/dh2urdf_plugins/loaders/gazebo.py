@@ -44,6 +44,7 @@ REMEDY = (
     "apt-get install ignition-tools libsdformat-dev (Debian 12), or install Gazebo (gazebosim.org), "
     "which brings it along"
 )
+MISSING = ("loader 'gazebo'", "the command `gz sdf` or `ign sdf` of sdformat", REMEDY)
 
 
 class Held(measures.Model):
@@ -85,34 +86,17 @@ class Held(measures.Model):
 
 
 def require() -> None:
-    """Ask whether there is a command that may be sdformat's, without starting it.
-
-    Raises:
-        MissingProgramError: there is none.
-    """
+    """Raise `MISSING` where there is no command that may be sdformat's, without starting any."""
     if not any(map(shutil.which, COMMANDS)):
-        raise _missing()
-
-
-def prepare(_options: SimulatorOptions) -> None:
-    """Find the command of sdformat: it is asked for its version once.
-
-    Raises:
-        MissingProgramError: there is none.
-    """
-    find_command()
+        raise MissingProgramError(*MISSING)
 
 
 def find_command() -> tuple[str, str]:
-    """The command that has sdformat as a subcommand, and the version of sdformat.
-
-    Raises:
-        MissingProgramError: there is none.
-    """
+    """The command that has sdformat as a subcommand, and the version of sdformat, for which it is asked once."""
     for command in filter(None, map(shutil.which, COMMANDS)):
         if version := _version(command):
             return command, version
-    raise _missing()
+    raise MissingProgramError(*MISSING)
 
 
 @cache
@@ -123,10 +107,6 @@ def _version(command: str) -> str:
     )
     version = re.search(r"^\d+(\.\d+)+$", asked.stdout, re.MULTILINE)
     return version[0] if version else ""
-
-
-def _missing() -> MissingProgramError:
-    return MissingProgramError("loader 'gazebo'", "the command `gz sdf` or `ign sdf` of sdformat", REMEDY)
 
 
 def _call(option: str, path: str) -> subprocess.CompletedProcess[bytes]:
@@ -160,12 +140,7 @@ def precision(robot: Robot) -> Precision:
 
 
 def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
-    """Have sdformat convert and check a file, and measure the model that it makes of it.
-
-    Raises:
-        LoaderError: sdformat refuses the file, or makes another arm of it than the one that was written.
-        MissingProgramError: sdformat is not installed.
-    """
+    """Have sdformat convert and check a file, and measure the model that it makes of it."""
     robot, path = request.robot, str(request.path.resolve())
     comparison, version = measures.Comparison("sdformat", request, precision(robot)), find_command()[1]
     converted, checked = _call("--print", path), _call("--check", path)
@@ -196,11 +171,7 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
 
 
 def inspect(question: Question) -> HeldRobot:
-    """What sdformat makes of a URDF or an SDF.
-
-    Raises:
-        LoaderError: it refuses the file, or finds it invalid.
-    """
+    """What sdformat makes of a URDF or an SDF."""
     path = str(question.path)
     checked, converted = _call("--check", path), _call("--print", path)
     if checked.returncode or converted.returncode or not converted.stdout.strip():
@@ -230,9 +201,9 @@ def _lengths(geometry: Geometry) -> measures.Lengths | None:
         case Box(size=size):
             return measures.lengths(*size)
         case Cylinder(radius=radius, length=length):
-            return measures.lengths(2 * radius, 2 * radius, length)
+            return measures.round_lengths(radius, length)
         case Sphere(radius=radius):
-            return measures.lengths(2 * radius, 2 * radius, 2 * radius)
+            return measures.round_lengths(radius)
     return None
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf import measuring
@@ -55,13 +56,13 @@ def hold_start(robot: Robot) -> tuple[float, ...]:
 
 
 def vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)
-    """The three numbers of an array as plain ones, none of them −0.0."""
+    """Three plain numbers, none of them −0.0."""
     x, y, z = (float(element) + 0.0 for element in array)
     return (x, y, z)
 
 
 def rotation(matrix: Any) -> Rotation:  # noqa: ANN401 - an array of shape (3, 3) or (9,)
-    """The nine numbers of a matrix as plain ones, row by row, none of them −0.0."""
+    """Nine plain numbers, row by row, none of them −0.0."""
     a, b, c, d, e, f, g, h, i = (float(element) + 0.0 for element in matrix.reshape(9))
     return (a, b, c, d, e, f, g, h, i)
 
@@ -74,9 +75,7 @@ def frame(matrix: Any, array: Any) -> RigidTransform:  # noqa: ANN401 - as above
 def carriers(robot: Robot, kept: Container[str] = ()) -> dict[str, tuple[str, RigidTransform]]:
     """Of every link the one that carries it, and its frame there: fixed joints hold links together as one body.
 
-    Args:
-        robot: the robot.
-        kept: links that stay links of their own, though fixed joints hold them.
+    Links in `kept` stay links of their own, though fixed joints hold them.
     """
     found = {link.name: (link.name, IDENTITY) for link in robot.links}
     for joint in robot.joints:  # Parents before children.
@@ -119,14 +118,10 @@ def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
 
 
 def gravity_loads(robot: Robot, q: Sequence[float]) -> tuple[float, ...]:
-    """What gravity asks of every moving joint at a joint vector, at rest [N or N·m].
+    """What gravity asks of every moving joint at a joint vector, at rest [N or N·m]; the root is in the world's origin.
 
     The weight of all that a joint carries acts at its common centre of mass: on a joint that turns as the moment about
     its axis, on one that slides as the share along its axis.
-
-    Args:
-        robot: the robot; its root is in the world's origin.
-        q: a value for each moving joint [rad or m].
     """
     frames = link_poses(robot, {joint.name: value for joint, value in zip(robot.moving_joints, q, strict=True)})
     mass = dict.fromkeys(frames, 0.0)
@@ -170,17 +165,17 @@ class Comparison(measuring.Comparison):
         return is_weightless_base(name, written) and held.mass == STILL.mass
 
     def values(self, q: Sequence[float]) -> dict[str, float]:
-        """A joint vector by the names of the moving joints, in their order [rad or m]."""
+        """A joint vector by the names of the moving joints [rad or m]."""
         return {joint.name: value for joint, value in zip(self.robot.moving_joints, q, strict=True)}
 
-    def frames_of(self, held: Model, q: Sequence[float], links: Sequence[str]) -> dict[str, RigidTransform]:
-        """The frames of some links at a joint vector."""
+    def frames_of(self, held: Model, q: Sequence[float], links: Sequence[str] = ()) -> dict[str, RigidTransform]:
+        """The frames of some links at a joint vector, of all links by default."""
         held.put(self.values(q))
-        return held.placed(links)
+        return held.placed(links or [link.name for link in self.robot.links])
 
     def poses_of(self, held: Model) -> dict[str, Any]:
         """As `poses`, of what a simulator has made of the file."""
-        return self.poses(lambda q, links: self.frames_of(held, q, links))
+        return self.poses(partial(self.frames_of, held))
 
     def lost(self, links: Iterable[str]) -> list[Problem]:
         """The problems of links that the simulator does not have."""
@@ -193,8 +188,10 @@ class Comparison(measuring.Comparison):
 
     def hold(
         self, start: Sequence[float], displacement: Sequence[float], contacts: Sequence[tuple[str, str]]
-    ) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+    ) -> dict[str, Any]:
         """The hold test as a report has it, and its findings.
+
+        An arm does not stay where a motor is too weak, or where every motor is strong enough and the solver is not.
 
         Args:
             start: the joint vector at which it began [rad or m].
@@ -215,29 +212,24 @@ class Comparison(measuring.Comparison):
             "largest_load": share if math.isfinite(share) else None,
             "contacts": list(contacts),
         }
-        findings = [self._did_not_stay(weakest, largest, share)] if weakest and largest > HOLD_STAYS else []
+        findings = []
+        if weakest and largest > HOLD_STAYS:
+            unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
+            by = f"by {largest:.3g} {unit}" if math.isfinite(largest) else "without end"
+            if share <= 1.0:
+                gave_way = say("solver-gave-way", joint=weakest.name, seconds=HOLD_SECONDS, by=by, share=share)
+                findings.append(self.placed(gave_way))
+            else:
+                findings.append(self.weak(weakest, "arm-did-not-stay", seconds=HOLD_SECONDS, by=by))
         if contacts:
             pairs = listed([f"{shown(first)} and {shown(second)}" for first, second in contacts])
             findings.append(self.placed(say("shapes-overlap", pairs=pairs)))
-        return hold, tuple(findings)
-
-    def _did_not_stay(self, weakest: Joint, largest: float, share: float) -> Problem:
-        """Why an arm did not stay: a motor is too weak, or every motor is strong enough and the solver is not."""
-        unit = "m" if weakest.type is JointType.PRISMATIC else "rad"
-        by = f"by {largest:.3g} {unit}" if math.isfinite(largest) else "without end"
-        if share <= 1.0:
-            code = "solver-gave-way"
-            return self.placed(say(code, joint=weakest.name, seconds=HOLD_SECONDS, by=by, share=share))
-        return self.weak(weakest, "arm-did-not-stay", seconds=HOLD_SECONDS, by=by)
+        return {"hold": hold, "findings": tuple(findings)}
 
     def weak(self, joint: Joint, code: str, **about: Any) -> Problem:  # noqa: ANN401 - of a message
         """The finding about a joint whose effort does not suffice."""
         found = str(joint.limits.effort)
         return self.placed(say(code, joint=joint.name, field="limits.effort", found=found, **about))
-
-    def too_large(self, code: str, found: str, accepted: str) -> tuple[Problem, ...]:
-        """The finding about an arm that is too large for a part of what is measured."""
-        return (self.placed(say(code, found=found, accepted=accepted)),)
 
 
 def share_of(effort: float | None, load: float) -> float:
@@ -249,8 +241,6 @@ def share_of(effort: float | None, load: float) -> float:
 
 VISUAL, COLLISION = "visual", "collision"
 Lengths: TypeAlias = tuple[float, float, float]
-Shapes: TypeAlias = dict[str, dict[str, list[Lengths]]]
-"""The lengths of shapes, by the name of the link, and by `VISUAL` or `COLLISION`."""
 
 
 class Model:
@@ -282,9 +272,9 @@ def told_bodies(bodies: Mapping[str, Body]) -> dict[str, tuple[float, tuple[floa
     return {name: (float(body.mass), tuple(body.com), tuple(body.inertia)) for name, body in bodies.items()}
 
 
-def told_shapes(shapes: Iterable[tuple[str, str, Lengths | None]]) -> Shapes:
-    """The shapes of a `dh2urdf.stages.HeldRobot`, each with its link and its kind; None is a size that nobody tells."""
-    found: Shapes = {}
+def told_shapes(shapes: Iterable[tuple[str, str, Lengths | None]]) -> dict[str, dict[str, list[Lengths]]]:
+    """The shapes of a `dh2urdf.stages.HeldRobot`, of links and kinds; None is a size that nobody tells."""
+    found: dict[str, dict[str, list[Lengths]]] = {}
     for link, kind, size in shapes:
         if size:
             found.setdefault(link, {}).setdefault(kind, []).append(size)
@@ -305,6 +295,11 @@ def lengths(x: float, y: float, z: float) -> Lengths:
     """The lengths of a shape along its axes, the longest first [m]."""
     first, second, third = sorted((float(x), float(y), float(z)), reverse=True)
     return first, second, third
+
+
+def round_lengths(radius: float, length: float | None = None) -> Lengths:
+    """The lengths of a sphere, or of a cylinder or a capsule with its caps, the longest first [m]."""
+    return lengths(2 * radius, 2 * radius, 2 * radius if length is None else length)
 
 
 def lengths_of(vertices: Any) -> Lengths:  # noqa: ANN401 - an array of shape (n, 3)

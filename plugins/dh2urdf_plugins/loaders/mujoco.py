@@ -18,6 +18,7 @@ import os
 import re
 import sys
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -29,12 +30,13 @@ from dh2urdf.rotations import ZERO, RigidTransform, multiply, transpose
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import HeldRobot
 from dh2urdf_plugins.home_pose import stepped
-from dh2urdf_plugins.loaders import measures
+from dh2urdf_plugins.loaders import measures, viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
+    from dh2urdf.robot import Joint, Robot
     from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
@@ -69,15 +71,11 @@ _VISUALS, _FLOORS = 1, 2  # groups of shapes; MuJoCo puts what a URDF says to co
 
 
 class Held(measures.Model):
-    """What MuJoCo makes of a file; of a written one, the root is in the world's origin.
-
-    Raises:
-        ValueError: MuJoCo refuses the file.
-        mujoco.FatalError: as before.
-    """
+    """What MuJoCo makes of a file; of a written one, the root is in the world's origin."""
 
     def __init__(self, path: Path) -> None:
         self.mujoco: Any = sys.modules["mujoco"]
+        self.path, self.servo = path, int(self.mujoco.mjtBias.mjBIAS_AFFINE)
         self.mujoco.set_mju_user_warning(_print_warning)
         self.model = self.mujoco.MjModel.from_xml_path(str(path))
         self.data = self.mujoco.MjData(self.model)
@@ -98,12 +96,9 @@ class Held(measures.Model):
         """The frames of some links, sites among them, in the world."""
         data, frames = self.data, {}
         for name in links:
-            if name in self.sites:
-                site = self.sites[name]
-                frames[name] = measures.frame(data.site_xmat[site], data.site_xpos[site])
-            else:
-                body = self.bodies[name]
-                frames[name] = measures.frame(data.xmat[body], data.xpos[body])
+            at = self.sites.get(name)
+            held = data.body(self.bodies[name]) if at is None else data.site(at)
+            frames[name] = measures.frame(held.xmat, held.xpos)
         return frames
 
     def held_joint(self, number: int) -> dict[str, Any]:
@@ -158,11 +153,11 @@ class Held(measures.Model):
                 size = measures.lengths_of(model.mesh_vert[first : first + count] @ turned.reshape(3, 3).T)
             else:
                 by_kind = {
-                    int(types.mjGEOM_SPHERE): (2 * x, 2 * x, 2 * x),
-                    int(types.mjGEOM_CAPSULE): (2 * x, 2 * x, 2 * (x + y)),
-                    int(types.mjGEOM_CYLINDER): (2 * x, 2 * x, 2 * y),
+                    int(types.mjGEOM_SPHERE): (x, x, x),
+                    int(types.mjGEOM_CAPSULE): (x, x, x + y),
+                    int(types.mjGEOM_CYLINDER): (x, x, y),
                 }
-                size = measures.lengths(*by_kind.get(kind, (2 * x, 2 * y, 2 * z)))
+                size = measures.lengths(*(2 * each for each in by_kind.get(kind, (x, y, z))))
             touches = model.geom_contype[at] or model.geom_conaffinity[at]
             yield model.body(int(model.geom_bodyid[at])).name, measures.COLLISION if touches else measures.VISUAL, size
 
@@ -191,205 +186,145 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     """Load an MJCF or a URDF into MuJoCo and measure it.
 
     A picture that cannot be taken, where there is no graphics library, is a finding.
-
-    Raises:
-        LoaderError: MuJoCo cannot load the file, or holds another arm than the one that was written.
     """
-    arm = Arm(request)
-    report = arm.report()
+    comparison = measures.Comparison("MuJoCo", request)
+    mujoco: Any = sys.modules["mujoco"]
+    try:
+        held = Held(request.path.resolve())
+    except (ValueError, mujoco.FatalError) as error:
+        said = " ".join(str(error).split())
+        raise LoaderError(comparison.placed(say("mujoco-cannot-load", reason=said))) from error
+    if fused := [shown(link.name) for link in request.robot.links if link.name not in {*held.bodies, *held.sites}]:
+        raise LoaderError(comparison.placed(say("mujoco-fused-links", links=fused)))
+    report = _report(held, comparison)
     if request.picture:
         try:
-            arm.write_picture(request.picture)
+            _write_picture(held, comparison, request.picture)
         except _NoGraphicsError as error:
-            finding = arm.comparison.placed(say("mujoco-no-picture", reason=error))
+            finding = comparison.placed(say("mujoco-no-picture", reason=error))
             return replace(report, findings=(*report.findings, finding))
         report = replace(report, picture=request.picture.name)
     return report
 
 
-class Arm:
-    """The arm as MuJoCo holds it, beside the robot that was written.
+def _report(held: Held, comparison: measures.Comparison) -> LoadReport:
+    """Measure everything but the picture."""
+    model = held.model
+    joints = [held.held_joint(number) for number in range(model.njnt)]
+    report = comparison.loaded(version("mujoco"), joints, held.held_bodies())
+    joints = [{**joint, "velocity": None} for joint in joints]
+    report = replace(report, joints=tuple(joints), **comparison.poses_of(held))
+    if not joints:
+        return report
+    if len(joints) > HELD_JOINTS:
+        found, accepted = f"{len(joints)} moving joints", f"at most {HELD_JOINTS} moving joints"
+        left_out = comparison.placed(say("mujoco-hold-left-out", found=found, accepted=accepted))
+        return replace(report, findings=(left_out,))
+    report = replace(report, **_hold(held, comparison))
+    if report.hold["stayed"] and model.nkey and (model.actuator_biastype == held.servo).any():
+        followed, findings = _follow(held, comparison)
+        report = replace(report, hold={**report.hold, **followed}, findings=(*report.findings, *findings))
+    return report
 
-    Raises:
-        LoaderError: MuJoCo cannot load the file, or has fused links of it.
-    """
 
-    def __init__(self, request: LoadRequest) -> None:
-        self.robot, self.path = request.robot, request.path.resolve()
-        self.mujoco: Any = sys.modules["mujoco"]
-        self.comparison = measures.Comparison("MuJoCo", request)
-        try:
-            self.held = Held(self.path)
-        except (ValueError, self.mujoco.FatalError) as error:
-            said = " ".join(str(error).split())
-            raise LoaderError(self.comparison.placed(say("mujoco-cannot-load", reason=said))) from error
-        self._servo = int(self.mujoco.mjtBias.mjBIAS_AFFINE)
-        held = {*self.held.bodies, *self.held.sites}
-        if fused := [shown(link.name) for link in self.robot.links if link.name not in held]:
-            raise LoaderError(self.comparison.placed(say("mujoco-fused-links", links=fused)))
+def _addresses(model: Any, joints: Iterable[Joint]) -> list[int]:  # noqa: ANN401 - MuJoCo's model
+    """Where in a model's array of positions the values of joints stand."""
+    return [int(model.joint(joint.name).qposadr[0]) for joint in joints]
 
-    def report(self) -> LoadReport:
-        """Measure everything but the picture.
 
-        Raises:
-            LoaderError: MuJoCo holds another arm.
-        """
-        model = self.held.model
-        joints = [self.held.held_joint(number) for number in range(model.njnt)]
-        report = self.comparison.loaded(version("mujoco"), joints, self.held.held_bodies())
-        joints = [{**joint, "velocity": None} for joint in joints]
-        report = replace(report, joints=tuple(joints), **self.comparison.poses_of(self.held))
-        if not joints:
-            return report
-        if len(joints) > HELD_JOINTS:
-            found, accepted = f"{len(joints)} moving joints", f"at most {HELD_JOINTS} moving joints"
-            return replace(report, findings=self.comparison.too_large("mujoco-hold-left-out", found, accepted))
-        hold, findings = self._hold()
-        if hold["stayed"] and model.nkey and (model.actuator_biastype == self._servo).any():
-            followed, more_findings = self._follow()
-            hold, findings = {**hold, **followed}, (*findings, *more_findings)
-        return replace(report, hold=hold, findings=findings)
+def _hold(held: Held, comparison: measures.Comparison) -> dict[str, Any]:
+    """Whether motors keep the arm where it is under gravity, with the efforts that MuJoCo read."""
+    mujoco, start = held.mujoco, measures.hold_start(comparison.robot)
+    model = _with_motors(held, comparison.robot)
+    model.opt.timestep = TIME_STEP
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    data, places = mujoco.MjData(model), _addresses(model, comparison.robot.moving_joints)
+    data.qpos[places] = start
+    data.ctrl[:] = data.qpos[[int(model.jnt_qposadr[joint]) for joint in model.actuator_trnid[:, 0]]]
+    mujoco.mj_forward(model, data)
+    names, body = {number: name for name, number in held.bodies.items()}, model.geom_bodyid
+    touching = [contact for contact in data.contact if contact.dist < -measures.OVERLAP]
+    contacts = comparison.overlapping((names[body[at.geom1]], names[body[at.geom2]]) for at in touching)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
 
-    def _addresses(self, model: Any) -> list[int]:  # noqa: ANN401 - MuJoCo's model
-        """Where in a model's array of positions the values of a joint vector stand."""
-        return [int(model.joint(joint.name).qposadr[0]) for joint in self.robot.moving_joints]
-
-    def _hold(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-        """Whether motors keep the arm where it is under gravity, with the efforts that MuJoCo read."""
-        mujoco, start = self.mujoco, measures.hold_start(self.robot)
-        model = self._with_motors()
-        model.opt.timestep = TIME_STEP
-        model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        data, places = mujoco.MjData(model), self._addresses(model)
-        data.qpos[places] = start
-        data.ctrl[:] = data.qpos[[int(model.jnt_qposadr[joint]) for joint in model.actuator_trnid[:, 0]]]
-        mujoco.mj_forward(model, data)
-        names, body = {number: name for name, number in self.held.bodies.items()}, model.geom_bodyid
-        touching = [contact for contact in data.contact if contact.dist < -measures.OVERLAP]
-        contacts = self.comparison.overlapping((names[body[at.geom1]], names[body[at.geom2]]) for at in touching)
-        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-
-        def vectors() -> Iterator[Any]:
-            for step in range(round(measures.HOLD_SECONDS / TIME_STEP)):
-                model.opt.gravity[:] = (0.0, 0.0, -GRAVITY * min(1.0, step * TIME_STEP / WEIGHT_RISES))
-                mujoco.mj_step(model, data)
-                if self._has_begun_anew(data):
-                    yield [math.inf] * len(places)  # MuJoCo has put the arm back to where it began.
-                    return
-                yield data.qpos[places]
-
-        return self.comparison.hold(start, measures.farthest(start, vectors()), contacts)
-
-    def _with_motors(self) -> Any:  # noqa: ANN401 - MuJoCo's model
-        """The model with a position servo on every joint, which MuJoCo itself keeps within the effort it read.
-
-        A servo that the file has is taken as it is; a motor gets a control. The servo is a stiff spring and damper. The
-        damper is integrated implicitly: with a time constant of half a time step or more, the two are stable at any
-        stiffness.
-        """
-        mujoco = self.mujoco
-        spec = mujoco.MjSpec.from_file(str(self.path))
-        own = {actuator.target: actuator for actuator in spec.actuators}
-        for joint in self.robot.moving_joints:
-            servo = own.get(joint.name)
-            if not (effort := joint.limits.effort) or (servo and servo.biastype == self._servo):
-                continue
-            stiffness = effort / YIELD
-            servo = servo or spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
-            servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
-            servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
-            servo.gainprm[0] = stiffness
-            servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * MOTOR_SETTLING
-            servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
-        return spec.compile()
-
-    def _follow(self) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-        """Whether the servos of the file bring all joints to targets a step from home, with its own time steps."""
-        import numpy as np
-
-        mujoco, model = self.mujoco, self.held.model
-        data, joints = mujoco.MjData(model), [joint for joint in self.robot.moving_joints if joint.limits.effort]
-        places = [int(model.joint(joint.name).qposadr[0]) for joint in joints]
-        mujoco.mj_resetDataKeyframe(model, data, 0)
-        start = data.qpos[places]
-        target = np.array([stepped(joint, 1.0) for joint in joints])
-        for joint, value in zip(joints, target, strict=True):
-            data.actuator(joint.name).ctrl[0] = value
-        beyond, speed = np.zeros(len(joints)), 0.0
-        for _ in range(round(FOLLOW_SECONDS / model.opt.timestep)):
+    def vectors() -> Iterator[Any]:
+        for step in range(round(measures.HOLD_SECONDS / TIME_STEP)):
+            model.opt.gravity[:] = (0.0, 0.0, -GRAVITY * min(1.0, step * TIME_STEP / WEIGHT_RISES))
             mujoco.mj_step(model, data)
-            beyond = np.fmax(beyond, (data.qpos[places] - target) / (target - start))
-            speed = max(speed, float(np.abs(data.qvel).max()))
-        errors, overshoot = np.abs(data.qpos[places] - target), float(beyond.max())
-        if self._has_begun_anew(data):
-            errors[:] = np.inf
-        error, joint = float(errors.max()), joints[int(errors.argmax())]
-        followed = {
-            "target_error": error if math.isfinite(error) else None,
-            "overshoot": overshoot,
-            "largest_speed": speed,
-        }
-        if error <= REACHED and overshoot < OVERSHOOT and speed <= FASTEST_JOINT:
-            return followed, ()
-        unit = "m" if joint.type is JointType.PRISMATIC else "rad"
-        by = f"{error:.3g} {unit} from its target" if math.isfinite(error) else "thrown away"
-        about = {"seconds": FOLLOW_SECONDS, "by": by, "overshoot": overshoot, "speed": speed}
-        return followed, (self.comparison.weak(joint, "servos-do-not-follow", **about),)
+            if _has_begun_anew(mujoco, data):
+                yield [math.inf] * len(places)  # MuJoCo has put the arm back to where it began.
+                return
+            yield data.qpos[places]
 
-    def _has_begun_anew(self, data: Any) -> bool:  # noqa: ANN401 - MuJoCo's data
-        """Whether MuJoCo has begun the simulation anew, since numbers grew beyond all bounds."""
-        kinds = self.mujoco.mjtWarning
-        bad = (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)
-        return any(data.warning[int(kind)].number for kind in bad)
+    return comparison.hold(start, measures.farthest(start, vectors()), contacts)
 
-    def write_picture(self, path: Path) -> None:
-        """Render the arm in a pose that shows it well, without a display: by EGL or OSMesa, whichever is installed.
 
-        Raises:
-            _NoGraphicsError: there is no library that renders without a display.
-        """
-        from PIL import Image
+def _with_motors(held: Held, robot: Robot) -> Any:  # noqa: ANN401 - MuJoCo's model
+    """The model with a position servo on every joint, which MuJoCo itself keeps within the effort it read.
 
-        from dh2urdf_plugins.loaders.viewpoint import best_view, write_png
+    A servo that the file has is taken as it is; a motor gets a control. The servo is a stiff spring and damper. The
+    damper is integrated implicitly: with a time constant of half a time step or more, the two are stable at any
+    stiffness.
+    """
+    mujoco = held.mujoco
+    spec = mujoco.MjSpec.from_file(str(held.path))
+    own = {actuator.target: actuator for actuator in spec.actuators}
+    for joint in robot.moving_joints:
+        servo = own.get(joint.name)
+        if not (effort := joint.limits.effort) or (servo and servo.biastype == held.servo):
+            continue
+        stiffness = effort / YIELD
+        servo = servo or spec.add_actuator(name=f"hold {joint.name}", target=joint.name)
+        servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        servo.gaintype, servo.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+        servo.gainprm[0] = stiffness
+        servo.biasprm[1], servo.biasprm[2] = -stiffness, -stiffness * MOTOR_SETTLING
+        servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_FALSE
+    return spec.compile()
 
-        links = [link.name for link in self.robot.links]
-        view = best_view(self.robot, lambda q: self.comparison.frames_of(self.held, q, links))
-        model = self._lit_model(view)
-        data = self.mujoco.MjData(model)
-        data.qpos[self._addresses(model)] = view.q
-        self.mujoco.mj_forward(model, data)
-        write_png(Image.fromarray(_render(self.mujoco, model, data, view)), path)
 
-    def _lit_model(self, view: View) -> Any:  # noqa: ANN401 - MuJoCo's model
-        """The model on a light floor, under a light sky, with a lamp that throws shadows."""
-        from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, FLOOR, HEIGHT, SUPERSAMPLING, WIDTH
+def _follow(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+    """Whether the servos of the file bring all joints to targets a step from home, with its own time steps."""
+    import numpy as np
 
-        mujoco = self.mujoco
-        spec = mujoco.MjSpec.from_file(str(self.path))
-        spec.stat.center, spec.stat.extent = view.target, view.distance / 4
-        spec.visual.global_.fovy = math.degrees(FIELD_OF_VIEW)
-        spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
-        spec.visual.quality.shadowsize, spec.visual.quality.offsamples = _SHADOW_MAP, 0
-        spec.visual.quality.numslices = 96
-        spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
-        spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
-        spec.visual.headlight.specular = (0.0, 0.0, 0.0)
-        sky = spec.add_texture(name="dh2urdf sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=1536)
-        sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
-        sky.rgb1, sky.rgb2 = _SKY
-        (x, y, z), half = view.floor
-        floor = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=(x, y, z - half / 100))
-        floor.size, floor.rgba, floor.group = (half, half, half / 100), FLOOR, _FLOORS
-        away = (0.6, -0.5, 1.2)
-        place = [at + 2 * view.distance * to for at, to in zip(view.target, away, strict=True)]
-        lamp = spec.worldbody.add_light(pos=place)
-        lamp.dir = [-to for to in away]
-        lamp.diffuse, lamp.specular, lamp.castshadow = (0.55, 0.55, 0.55), (0.1, 0.1, 0.1), True
-        lamp.cutoff, lamp.exponent = 30.0, 0.0
-        model = spec.compile()
-        # Where links of one thickness overlap, their surfaces would fight for the same pixels.
-        model.geom_size *= 1.0 + _THICKER * (model.geom_bodyid[:, None] % 4)
-        return model
+    mujoco, model = held.mujoco, held.model
+    data, joints = mujoco.MjData(model), [joint for joint in comparison.robot.moving_joints if joint.limits.effort]
+    places = _addresses(model, joints)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    start = data.qpos[places]
+    target = np.array([stepped(joint, 1.0) for joint in joints])
+    for joint, value in zip(joints, target, strict=True):
+        data.actuator(joint.name).ctrl[0] = value
+    beyond, speed = np.zeros(len(joints)), 0.0
+    for _ in range(round(FOLLOW_SECONDS / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+        beyond = np.fmax(beyond, (data.qpos[places] - target) / (target - start))
+        speed = max(speed, float(np.abs(data.qvel).max()))
+    errors, overshoot = np.abs(data.qpos[places] - target), float(beyond.max())
+    if _has_begun_anew(mujoco, data):
+        errors[:] = np.inf
+    error, joint = float(errors.max()), joints[int(errors.argmax())]
+    followed = {
+        "target_error": error if math.isfinite(error) else None,
+        "overshoot": overshoot,
+        "largest_speed": speed,
+    }
+    if error <= REACHED and overshoot < OVERSHOOT and speed <= FASTEST_JOINT:
+        return followed, ()
+    unit = "m" if joint.type is JointType.PRISMATIC else "rad"
+    by = f"{error:.3g} {unit} from its target" if math.isfinite(error) else "thrown away"
+    about = {"seconds": FOLLOW_SECONDS, "by": by, "overshoot": overshoot, "speed": speed}
+    return followed, (comparison.weak(joint, "servos-do-not-follow", **about),)
+
+
+def _has_begun_anew(mujoco: Any, data: Any) -> bool:  # noqa: ANN401 - MuJoCo's data
+    """Whether MuJoCo has begun the simulation anew, since numbers grew beyond all bounds."""
+    kinds = mujoco.mjtWarning
+    bad = (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)
+    return any(data.warning[int(kind)].number for kind in bad)
+
+
+# --- A picture
 
 
 class _NoGraphicsError(Exception):
@@ -403,37 +338,70 @@ def graphics() -> str | None:
     return next((name for name, library in _LIBRARIES.items() if ctypes.util.find_library(library)), "disable")
 
 
-def _render(mujoco: Any, model: Any, data: Any, view: View) -> Any:  # noqa: ANN401 - MuJoCo's, and an array of pixels
-    from dh2urdf_plugins.loaders.viewpoint import AZIMUTH, ELEVATION, HEIGHT, SUPERSAMPLING, WIDTH
+def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> None:
+    """Render the arm in a pose that shows it well, without a display: by EGL or OSMesa, whichever is installed."""
+    from PIL import Image
 
+    mujoco, robot = held.mujoco, comparison.robot
+    view = viewpoint.best_view(robot, partial(comparison.frames_of, held))
+    model = _lit_model(held, view)
+    data = mujoco.MjData(model)
+    data.qpos[_addresses(model, robot.moving_joints)] = view.q
+    mujoco.mj_forward(model, data)
     camera, drawn = mujoco.MjvCamera(), mujoco.MjvOption()
     camera.lookat[:], camera.distance = view.target, view.distance
-    camera.azimuth, camera.elevation = math.degrees(AZIMUTH) + 180.0, -math.degrees(ELEVATION)
+    camera.azimuth = math.degrees(viewpoint.AZIMUTH) + 180.0
+    camera.elevation = -math.degrees(viewpoint.ELEVATION)
     drawn.geomgroup[:] = 0
     drawn.geomgroup[_FLOORS] = 1
     drawn.geomgroup[_VISUALS if _VISUALS in model.geom_group else 0] = 1
     if not hasattr(mujoco, "GLContext"):
         raise _NoGraphicsError("there is no library that renders without a display")
+    width, height = viewpoint.RENDERED
     try:
-        renderer = mujoco.Renderer(model, HEIGHT * SUPERSAMPLING, WIDTH * SUPERSAMPLING)
+        renderer = mujoco.Renderer(model, height, width)
     except Exception as error:  # A library that is there and does not work raises errors of its own.
         raise _NoGraphicsError(" ".join(str(error).split()) or type(error).__name__) from error
-    try:
+    with contextlib.closing(renderer):
         renderer.update_scene(data, camera, drawn)
-        return renderer.render()
-    finally:
-        renderer.close()
+        viewpoint.write_png(Image.fromarray(renderer.render()), path)
+
+
+def _lit_model(held: Held, view: View) -> Any:  # noqa: ANN401 - MuJoCo's model
+    """The model on a light floor, under a light sky, with a lamp that throws shadows."""
+    mujoco = held.mujoco
+    spec = mujoco.MjSpec.from_file(str(held.path))
+    spec.stat.center, spec.stat.extent = view.target, view.distance / 4
+    spec.visual.global_.fovy = math.degrees(viewpoint.FIELD_OF_VIEW)
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = viewpoint.RENDERED
+    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = _SHADOW_MAP, 0
+    spec.visual.quality.numslices = 96
+    spec.visual.headlight.ambient = (0.45, 0.45, 0.45)
+    spec.visual.headlight.diffuse = (0.25, 0.25, 0.25)
+    spec.visual.headlight.specular = (0.0, 0.0, 0.0)
+    sky = spec.add_texture(name="dh2urdf sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=1536)
+    sky.builtin = mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
+    sky.rgb1, sky.rgb2 = _SKY
+    (x, y, z), half = view.floor
+    floor = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=(x, y, z - half / 100))
+    floor.size, floor.rgba, floor.group = (half, half, half / 100), viewpoint.FLOOR, _FLOORS
+    away = (0.6, -0.5, 1.2)
+    place = [at + 2 * view.distance * to for at, to in zip(view.target, away, strict=True)]
+    lamp = spec.worldbody.add_light(pos=place)
+    lamp.dir = [-to for to in away]
+    lamp.diffuse, lamp.specular, lamp.castshadow = (0.55, 0.55, 0.55), (0.1, 0.1, 0.1), True
+    lamp.cutoff, lamp.exponent = 30.0, 0.0
+    model = spec.compile()
+    # Where links of one thickness overlap, their surfaces would fight for the same pixels.
+    model.geom_size *= 1.0 + _THICKER * (model.geom_bodyid[:, None] % 4)
+    return model
 
 
 # --- A file of any origin
 
 
 def inspect(question: Question) -> HeldRobot:
-    """What MuJoCo makes of a URDF or an MJCF.
-
-    Raises:
-        LoaderError: it refuses the file.
-    """
+    """What MuJoCo makes of a URDF or an MJCF."""
     mujoco: Any = sys.modules["mujoco"]
     try:
         held = Held(question.path)

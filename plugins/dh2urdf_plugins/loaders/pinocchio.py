@@ -13,7 +13,8 @@ import sys
 from dataclasses import replace
 from functools import cached_property
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NamedTuple
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics.mass import GRAVITY
@@ -24,12 +25,10 @@ from dh2urdf.stages import HeldRobot
 from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from dh2urdf.robot import Joint
     from dh2urdf.rotations import RigidTransform
-    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
@@ -43,11 +42,7 @@ _WHOLE_TURNS = 2  # coordinates of a joint that turns without end: cosine and si
 
 
 class Held(measures.Model):
-    """What Pinocchio makes of a URDF.
-
-    Raises:
-        ValueError: Pinocchio refuses the file; the reason stands only in what its parser prints.
-    """
+    """What Pinocchio makes of a URDF."""
 
     def __init__(self, path: Path) -> None:
         self.pinocchio: Any = sys.modules["pinocchio"]
@@ -63,26 +58,28 @@ class Held(measures.Model):
 
     def held_joints(self) -> list[dict[str, Any]]:
         """The joints as Pinocchio has them; an axis is read off the columns of the joint's motion subspace."""
-        return [self._held_joint(number) for number in self.joints.values()]
-
-    def _held_joint(self, number: int) -> dict[str, Any]:
-        model, joint = self.model, self.model.joints[number]
-        if joint.nv != 1:
-            return {"name": model.names[number], "type": joint.shortname()}
-        turning = joint.createData()
-        joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
-        *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
-        slides = any(along)
-        endless = joint.nq == _WHOLE_TURNS
-        return {
-            "name": model.names[number],
-            "type": "prismatic" if slides else "continuous" if endless else "revolute",
-            "axis": tuple(along) if slides else (rx, ry, rz),
-            "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
-            "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
-            "velocity": float(model.velocityLimit[joint.idx_v]),
-            "effort": float(model.effortLimit[joint.idx_v]),
-        }
+        model, held = self.model, []
+        for number in self.joints.values():
+            name, joint = model.names[number], model.joints[number]
+            if joint.nv != 1:
+                held.append({"name": name, "type": joint.shortname()})
+                continue
+            turning = joint.createData()
+            joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
+            *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
+            slides = any(along)
+            endless = joint.nq == _WHOLE_TURNS
+            told = {
+                "name": name,
+                "type": "prismatic" if slides else "continuous" if endless else "revolute",
+                "axis": tuple(along) if slides else (rx, ry, rz),
+                "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
+                "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
+                "velocity": float(model.velocityLimit[joint.idx_v]),
+                "effort": float(model.effortLimit[joint.idx_v]),
+            }
+            held.append(told)
+        return held
 
     def held_bodies(self, carriers: Mapping[str, int | None]) -> dict[str, Body]:
         """The bodies by the names of the links that carry them, given the joints that hold these."""
@@ -115,21 +112,8 @@ class Held(measures.Model):
         return {name: measures.frame(frame.rotation, frame.translation) for name, frame in frames}
 
 
-class _Load(NamedTuple):
-    """What gravity asks of a joint: a share of its effort, the force or torque [N or N·m], and where."""
-
-    share: float
-    force: float
-    joint: Joint
-    q: tuple[float, ...]
-
-
 def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
-    """Load a URDF into Pinocchio and measure it.
-
-    Raises:
-        LoaderError: Pinocchio cannot load the file, or holds another arm than the one that was written.
-    """
+    """Load a URDF into Pinocchio and measure it."""
     robot, comparison = request.robot, measures.Comparison("Pinocchio", request)
     try:
         held = Held(request.path.resolve())
@@ -142,54 +126,45 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     report = comparison.loaded(version("pin"), joints, bodies, written, comparison.lost(lost))
     if len(joints) > MEASURED_JOINTS:
         found, accepted = f"{len(joints)} moving joints", f"at most {MEASURED_JOINTS} moving joints"
-        return replace(report, findings=comparison.too_large("pinocchio-arm-too-large", found, accepted))
+        too_large = say("pinocchio-arm-too-large", found=found, accepted=accepted)
+        return replace(report, findings=(comparison.placed(too_large),))
     report = replace(report, **comparison.poses_of(held))
-    if not joints:
-        return report
-    hold, findings = _hold(held, comparison)
-    return replace(report, hold=hold, findings=findings)
+    return replace(report, **_hold(held, comparison)) if joints else report
 
 
-def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
-    """Whether the efforts that Pinocchio read hold the arm at its start and at every pose that was measured."""
-    start = measures.hold_start(comparison.robot)
+def _hold(held: Held, comparison: measures.Comparison) -> dict[str, Any]:
+    """Whether the efforts that Pinocchio read hold the arm at rest, at its start and at every measured pose."""
+    import numpy as np
+
+    model, start = held.model, measures.hold_start(comparison.robot)
+    model.gravity.linear = np.array((0.0, 0.0, -GRAVITY))
+    rest = np.zeros(model.nv)
+    joints = [(joint, model.joints[held.joints[joint.name]].idx_v) for joint in comparison.robot.moving_joints]
     vectors = (start, *comparison.request.poses)
-    worst = max((load for q in vectors for load in _loads(held, comparison, q)), key=lambda load: load.share)
+    loads = []
+    for q in vectors:
+        forces = held.pinocchio.rnea(model, held.data, held.coordinates(comparison.values(q)), rest, rest)
+        for joint, at in joints:
+            force = abs(float(forces[at]))
+            loads.append((measures.share_of(float(model.effortLimit[at]), force), force, joint, tuple(q)))
+    share, force, joint, q = max(loads, key=itemgetter(0))
     hold = {
         "start": start,
         "poses": len(vectors),
-        "largest_load": worst.share if math.isfinite(worst.share) else None,
-        "joint": worst.joint.name,
-        "q": worst.q,
+        "largest_load": share if math.isfinite(share) else None,
+        "joint": joint.name,
+        "q": q,
         "threshold": 1.0,
-        "stayed": worst.share <= 1.0,
+        "stayed": share <= 1.0,
     }
-    if hold["stayed"]:
-        return hold, ()
-    unit = "N" if worst.joint.type is JointType.PRISMATIC else "N·m"
-    return hold, (comparison.weak(worst.joint, "arm-too-heavy", q=worst.q, force=worst.force, unit=unit),)
-
-
-def _loads(held: Held, comparison: measures.Comparison, q: Sequence[float]) -> Iterator[_Load]:
-    """What gravity asks of every joint at a joint vector, at rest."""
-    import numpy as np
-
-    model = held.model
-    model.gravity.linear = np.array((0.0, 0.0, -GRAVITY))
-    rest = np.zeros(model.nv)
-    forces = held.pinocchio.rnea(model, held.data, held.coordinates(comparison.values(q)), rest, rest)
-    for joint in comparison.robot.moving_joints:
-        at = model.joints[held.joints[joint.name]].idx_v
-        force, effort = abs(float(forces[at])), float(model.effortLimit[at])
-        yield _Load(measures.share_of(effort, force), force, joint, tuple(q))
+    if share <= 1.0:
+        return {"hold": hold}
+    unit = "N" if joint.type is JointType.PRISMATIC else "N·m"
+    return {"hold": hold, "findings": (comparison.weak(joint, "arm-too-heavy", q=q, force=force, unit=unit),)}
 
 
 def inspect(question: Question) -> HeldRobot:
-    """What Pinocchio makes of a URDF.
-
-    Raises:
-        LoaderError: it refuses the file.
-    """
+    """What Pinocchio makes of a URDF."""
     try:
         held = Held(question.path)
     except UnicodeError:  # It takes no path with bytes that are no text; what it makes of the file is not known.

@@ -18,6 +18,7 @@ import sys
 import time
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -28,14 +29,13 @@ from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
 from dh2urdf.source import Messages
 from dh2urdf.stages import HeldRobot
-from dh2urdf_plugins.loaders import measures
+from dh2urdf_plugins.loaders import measures, viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Robot
-    from dh2urdf.source import Problem
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import PyBulletOptions
 
@@ -159,11 +159,10 @@ class Held(measures.Model):
         if kind == bullet.GEOM_BOX:
             return measures.lengths(*size)
         if kind == bullet.GEOM_SPHERE:
-            return measures.lengths(*(3 * (2 * size[0],)))
+            return measures.round_lengths(size[0])
         if kind in {bullet.GEOM_CYLINDER, bullet.GEOM_CAPSULE}:
             length, radius = size[:2]
-            caps = 2 * radius if kind == bullet.GEOM_CAPSULE else 0.0
-            return measures.lengths(2 * radius, 2 * radius, length + caps)
+            return measures.round_lengths(radius, length + (2 * radius if kind == bullet.GEOM_CAPSULE else 0.0))
         return None
 
 
@@ -176,11 +175,7 @@ def _text(name: bytes) -> str:
 
 
 def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
-    """Load a URDF into PyBullet and measure it.
-
-    Raises:
-        LoaderError: PyBullet cannot load the file, or holds another arm than the one that was written.
-    """
+    """Load a URDF into PyBullet and measure it."""
     bullet: Any = sys.modules["pybullet"]
     bullet.connect(bullet.GUI if options.gui else bullet.DIRECT)
     try:
@@ -213,11 +208,11 @@ def _report(bullet: Any, request: LoadRequest) -> LoadReport:  # noqa: ANN401 - 
     if not _gives_poses(held):
         found = f"{len(held.moving)} moving joints, {len(held.links) - 1} links"
         accepted = "at most 121 moving joints, and 127 links without the root"
-        return replace(report, findings=comparison.too_large("pybullet-arm-too-large", found, accepted))
+        too_large = say("pybullet-arm-too-large", found=found, accepted=accepted)
+        return replace(report, findings=(comparison.placed(too_large),))
     report = replace(report, **comparison.poses_of(held))
     if held.moving:
-        hold, findings = _hold(held, comparison)
-        report = replace(report, hold=hold, findings=findings)
+        report = replace(report, **_hold(held, comparison))
     if request.picture:
         _write_picture(held, comparison, request.picture)
         report = replace(report, picture=request.picture.name)
@@ -241,7 +236,7 @@ def _gives_poses(held: Held) -> bool:
         return False
 
 
-def _hold(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any], tuple[Problem, ...]]:
+def _hold(held: Held, comparison: measures.Comparison) -> dict[str, Any]:
     """Whether the motors, with the efforts that were written, keep the arm where it is under gravity."""
     bullet, robot = held.bullet, comparison.robot
     start = measures.hold_start(robot)
@@ -277,33 +272,21 @@ def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> N
     """Render the arm by PyBullet's software renderer, which needs no display and no graphics card."""
     from PIL import Image
 
-    from dh2urdf_plugins.loaders.viewpoint import (
-        FIELD_OF_VIEW,
-        FLOOR,
-        HEIGHT,
-        SUPERSAMPLING,
-        WIDTH,
-        best_view,
-        write_png,
-    )
-
-    bullet, links = held.bullet, [link.name for link in comparison.robot.links]
-    view = best_view(comparison.robot, lambda q: comparison.frames_of(held, q, links))
+    bullet = held.bullet
+    view = viewpoint.best_view(comparison.robot, partial(comparison.frames_of, held))
     held.put(comparison.values(view.q))
     # A light floor under the arm, for its shadow to fall on.
     (x, y, z), half = view.floor
-    thickness = half / 100
-    shape = bullet.createVisualShape(
-        bullet.GEOM_BOX, halfExtents=(half, half, thickness), rgbaColor=FLOOR, specularColor=(0, 0, 0)
-    )
-    bullet.createMultiBody(baseVisualShapeIndex=shape, basePosition=(x, y, z - thickness))
-    width, height = WIDTH * SUPERSAMPLING, HEIGHT * SUPERSAMPLING
+    size, colour = (half, half, half / 100), viewpoint.FLOOR
+    shape = bullet.createVisualShape(bullet.GEOM_BOX, halfExtents=size, rgbaColor=colour, specularColor=(0, 0, 0))
+    bullet.createMultiBody(baseVisualShapeIndex=shape, basePosition=(x, y, z - half / 100))
+    width, height = viewpoint.RENDERED
     pixels = bullet.getCameraImage(
         width,
         height,
         viewMatrix=bullet.computeViewMatrix(view.eye, view.target, (0.0, 0.0, 1.0)),
         projectionMatrix=bullet.computeProjectionMatrixFOV(
-            math.degrees(FIELD_OF_VIEW), WIDTH / HEIGHT, view.distance / 100, view.distance * 100
+            math.degrees(viewpoint.FIELD_OF_VIEW), width / height, view.distance / 100, view.distance * 100
         ),
         shadow=int(view.distance < _SHADOWS_UP_TO),
         lightDirection=(0.6, -0.5, 1.2),
@@ -314,18 +297,14 @@ def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> N
         lightSpecularCoeff=0.05,
         renderer=bullet.ER_TINY_RENDERER,
     )[2]
-    write_png(Image.frombytes("RGBA", (width, height), bytes(pixels)).convert("RGB"), path)
+    viewpoint.write_png(Image.frombytes("RGBA", (width, height), bytes(pixels)).convert("RGB"), path)
 
 
 # --- A file of any origin
 
 
 def inspect(question: Question) -> HeldRobot:
-    """What PyBullet makes of a URDF, an SDF or an MJCF.
-
-    Raises:
-        LoaderError: it refuses the file.
-    """
+    """What PyBullet makes of a URDF, an SDF or an MJCF."""
     bullet: Any = sys.modules["pybullet"]
     bullet.connect(bullet.DIRECT)
     path = str(question.path)

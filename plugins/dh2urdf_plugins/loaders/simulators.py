@@ -108,9 +108,7 @@ class Simulator:
         """The record of the loader."""
         capabilities: tuple[Any, ...] = (Requires(self.require),)
         if self.inspected:
-            starts = not self.packages
-            formats = tuple(self.inspected.split())
-            about = (formats, self.title, self.unopened, starts)
+            about = (tuple(self.inspected.split()), self.title, self.unopened, not self.packages)
             inspects = Inspects(self.inspect, self.ready, self.complaints, *about)
             capabilities += (ReadsOutput(self.read_output), Reusable(self.prepare), inspects)
         return Loader(
@@ -126,12 +124,7 @@ class Simulator:
         return import_module(f"{__package__}.{self.name}")
 
     def require(self, options: SimulatorOptions) -> None:
-        """Ask whether what these options need is there, without importing it.
-
-        Raises:
-            MissingDependencyError: a package is not installed.
-            MissingProgramError: a program is not installed.
-        """
+        """Ask whether what these options need is there, without importing it; raises as `prepare`."""
         if not self.packages:
             self._module().require()
         for module in self._needed(options):
@@ -139,13 +132,10 @@ class Simulator:
                 raise self._missing(module)
 
     def prepare(self, options: SimulatorOptions) -> None:
-        """Import what these options need.
-
-        Raises:
-            MissingDependencyError: a package is not installed, or lacks a library of the system.
-            MissingProgramError: a program is not installed.
-        """
-        if own := getattr(self._module(), "prepare", None):
+        """Import what these options need."""
+        if not self.packages:
+            self._module().find_command()
+        elif own := getattr(self._module(), "prepare", None):
             own(options)
         for module in self._needed(options):
             try:
@@ -168,20 +158,15 @@ class Simulator:
             MissingDependencyError: as `prepare`.
         """
         self.prepare(options)
-        report: LoadReport = self._module().load(request, options)
-        return report
+        return self._module().load(request, options)  # type: ignore[no-any-return]
 
     def read_output(self, request: LoadRequest, output: str) -> tuple[Problem, ...]:
         """The findings in what the simulator printed, each message once, in the order of printing."""
-        return tuple(
-            say(
-                "printed-error" if level.lower() in ("error", "critical") else "printed",
-                robot=request.robot.name,
-                simulator=self.title,
-                text=shown(text, 300),
-            )
-            for level, text in dict.fromkeys(self._module().messages(output, request))
-        )
+        found = []
+        for level, text in dict.fromkeys(self._module().messages(output, request)):
+            code = "printed-error" if level.lower() in ("error", "critical") else "printed"
+            found.append(say(code, robot=request.robot.name, simulator=self.title, text=shown(text, 300)))
+        return tuple(found)
 
     def ready(self) -> str:
         """Import all that files of any origin need; the version of the simulator."""
@@ -189,13 +174,8 @@ class Simulator:
         return version(next(iter(self.packages.values()))) if self.packages else self._module().find_command()[1]
 
     def inspect(self, question: Question) -> HeldRobot:
-        """What the simulator makes of a file.
-
-        Raises:
-            LoaderError: it refuses the file.
-        """
-        held: HeldRobot = self._module().inspect(question)
-        return held
+        """What the simulator makes of a file; raises a `LoaderError` where it refuses the file."""
+        return self._module().inspect(question)  # type: ignore[no-any-return]
 
     def complaints(self, output: str) -> list[str]:
         """What the simulator printed about a file."""

@@ -28,8 +28,8 @@ FIELD_OF_VIEW = math.radians(30.0)
 """Vertical [rad]; a long lens keeps parallel links parallel."""
 AZIMUTH, ELEVATION = math.radians(-55.0), math.radians(20.0)
 """Where the camera stands, seen from the arm [rad]."""
-SUPERSAMPLING = 2
-"""How much larger a picture is rendered, and then averaged: the renderers' edges are stairs."""
+RENDERED = (2 * WIDTH, 2 * HEIGHT)
+"""Size of a picture that is rendered, and then averaged: the renderers' edges are stairs [pixels]."""
 FLOOR = (0.86, 0.88, 0.91, 1.0)
 """Colour of the floor that an arm stands on."""
 _BORDER = 1.1  # how much farther than a tight fit
@@ -64,13 +64,9 @@ class View(NamedTuple):
 
 
 def best_view(robot: Robot, frames_at: Callable[[JointVector], Frames]) -> View:
-    """A pose that shows the arm well, and the camera for it.
+    """A pose that fills the largest area, with the arm hanging little below its base, and the camera for it.
 
-    The best pose fills the largest area, and hangs little below the base.
-
-    Args:
-        robot: the robot that was loaded.
-        frames_at: puts the arm at a joint vector, and says the frames of its links in the world.
+    `frames_at` puts the arm at a joint vector, and returns the frames of its links in the world.
     """
     import numpy as np
 
@@ -154,7 +150,7 @@ def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
 
 
 def write_png(image: Any, path: Path) -> None:  # noqa: ANN401 - an image of Pillow
-    """Write a picture that was rendered `SUPERSAMPLING` times as large."""
+    """Write a picture of the size `RENDERED`, averaged."""
     from PIL import Image
 
     data = BytesIO()

@@ -13,13 +13,9 @@ def _template(name: str) -> str:
 
 
 def filled(template: str, **words: str) -> str:
-    """A template with its words.
+    """A template below this folder, without its suffix ``.in``, with its words.
 
     A word alone in a line of the template is indented as the line is; where it is empty, the line is left out.
-
-    Args:
-        template: the file below this folder, without its suffix ``.in``.
-        words: the words by their names.
     """
 
     def line(match: re.Match[str]) -> str:

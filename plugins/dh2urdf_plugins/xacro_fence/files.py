@@ -51,12 +51,7 @@ class Files:
         return str(folder)
 
     def open(self, name: str, mode: str = "r") -> io.StringIO | io.BytesIO:
-        """The content of a file.
-
-        Raises:
-            FileError: it is outside the folders, no ordinary file, or too large.
-            OSError: there is none.
-        """
+        """The content of a file."""
         path = self._inside(name)
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
         with os.fdopen(handle, "rb") as file:

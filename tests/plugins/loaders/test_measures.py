@@ -150,9 +150,9 @@ def test_every_difference_is_told_at_once(comparison: Comparison) -> None:
 def test_hold_names_the_joint_that_moved_most(comparison: Comparison) -> None:
     """The largest displacement is reported with its joint; an arm that flew apart moved without end."""
     start = (0.0, 0.0, 0.05, 0.0)
-    hold, findings = comparison.hold(start, [0.0, 0.002, 0.001, 0.0], [])
+    hold, findings = comparison.hold(start, [0.0, 0.002, 0.001, 0.0], []).values()
     assert (hold["stayed"], hold["joint"], hold["largest_displacement"], findings) == (True, "elbow", 0.002, ())
-    hold, (finding,) = comparison.hold(start, [0.0, 0.2, math.inf, 0.0], [])
+    hold, (finding,) = comparison.hold(start, [0.0, 0.2, math.inf, 0.0], []).values()
     assert (hold["stayed"], hold["joint"], hold["largest_displacement"]) == (False, "slide", None)
     assert "this joint moved without end" in finding.message
 
@@ -161,7 +161,7 @@ def test_an_arm_that_is_strong_enough_was_let_down_by_the_solver(comparison: Com
     """Gravity asks 2 kg at 0.2 m, 1 kg at 0.4 m and 0.7 kg at 0.8 m of the shoulder: 20 %  of its 60 N·m."""
     start = (0.0, 0.0, 0.05, 0.0)
     load = 9.81 * (2.0 * 0.2 + 1.0 * 0.4 + 0.7 * 0.8) / 60.0
-    hold, (finding,) = comparison.hold(start, [0.0, 0.2, 0.0, 0.0], [])
+    hold, (finding,) = comparison.hold(start, [0.0, 0.2, 0.0, 0.0], []).values()
     assert hold["largest_load"] == pytest.approx(load)
     assert "the solver gave way" in finding.message
     assert f"gravity asks at most {load:.0%} of any effort" in finding.message
@@ -171,5 +171,5 @@ def test_an_arm_that_is_strong_enough_was_let_down_by_the_solver(comparison: Com
         limits = replace(shoulder.limits, effort=weak)
         joints = [replace(each, limits=limits) if each == shoulder else each for each in comparison.robot.joints]
         other = Comparison("Sim", replace(comparison.request, robot=replace(comparison.robot, joints=tuple(joints))))
-        _, (finding,) = other.hold(start, [0.2, 0.0, 0.0, 0.0], [])
+        _, (finding,) = other.hold(start, [0.2, 0.0, 0.0, 0.0], []).values()
         assert message in finding.message

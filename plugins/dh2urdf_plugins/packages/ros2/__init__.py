@@ -78,11 +78,7 @@ class Ros2Options(SrdfOptions):
         return self.hardware != "none"
 
     def __post_init__(self) -> None:
-        """Refuses what no package can have.
-
-        Raises:
-            ConfigError: a text or a number is not accepted.
-        """
+        """Refuses what no package can have."""
         SrdfOptions.__post_init__(self)
         for name, accepted in _ACCEPTED.items():
             text = getattr(self, name)

@@ -22,7 +22,7 @@ from dh2urdf_plugins.ros_conventions import PACKAGE_NAME
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
     from dh2urdf_plugins.packages.ros2.description_xacro import Kind
 
@@ -47,14 +47,9 @@ def package_stem(stem: str, package: str) -> str:
 
 
 def robot_name(stem: str, package: str) -> str:
-    """The name of a robot in the names of its packages.
+    """The name of a robot in the names of its packages, which is that of its file or what the option `package` has.
 
-    Args:
-        stem: the robot's own name, as file names have it.
-        package: the option, which may be the name of the whole package; empty where it is not given.
-
-    Raises:
-        EmitterError: REP 144 does not allow the name; the error proposes another.
+    Where REP 144 does not allow the name, the error proposes another.
     """
     name = package_stem(stem, package)
     if PACKAGE_NAME.fullmatch(name) and len(name) >= _SHORTEST:
@@ -72,11 +67,7 @@ def proposed_name(name: str) -> str:
 
 
 def check_names(robot: Robot, *, prefixes: bool) -> None:
-    """Checks that the names of links, joints and materials are safe in YAML keys, parameters and frames.
-
-    Raises:
-        EmitterError: some are not; the error proposes a name for each.
-    """
+    """Checks that the names of links, joints and materials are safe in YAML keys, parameters and frames."""
     problems = []
     materials = [visual.material.name for link in robot.links for visual in link.visuals if visual.material]
     named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
@@ -190,8 +181,14 @@ def test_file(package: str, name: str, robot: Robot) -> bytes:
     tools = [arm.prefix + TOOL for arm in robot.arms] or [TOOL]
     tools = [tool for tool in tools if any(link.name == tool for link in robot.links)] or [robot.links[-1].name]
     poses = []
-    for part in (None, *_PARTS):
-        values = {joint.name: _value(joint, part, place) for place, joint in enumerate(robot.moving_joints)}
+    for part in (0.0, *_PARTS):  # first where the joints start
+        values = {joint.name: initial_position(joint) for joint in robot.moving_joints}
+        for place, joint in enumerate(robot.moving_joints if part else ()):
+            lower, upper = joint.limits.lower, joint.limits.upper
+            if joint.type is JointType.CONTINUOUS or lower is None or upper is None:
+                lower, upper = -_UNLIMITED, _UNLIMITED
+            share = part if place % 2 else 1.0 - part
+            values[joint.name] = round(lower + share * (upper - lower), 6)
         frames = link_poses(robot, values)
         rows = {}
         for tool in tools:
@@ -207,13 +204,3 @@ def test_file(package: str, name: str, robot: Robot) -> bytes:
         ROOT=robot.root,
         POSES=pprint.pformat(poses, width=110, sort_dicts=False),
     )
-
-
-def _value(joint: Joint, part: float | None, place: int) -> float:
-    if part is None:
-        return initial_position(joint)
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.CONTINUOUS or lower is None or upper is None:
-        lower, upper = -_UNLIMITED, _UNLIMITED
-    part = part if place % 2 else 1.0 - part
-    return round(lower + part * (upper - lower), 6)

@@ -49,12 +49,7 @@ BASE = "base"
 
 
 def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedFile, ...]:
-    """The packages of a robot; the xacro to open comes first.
-
-    Raises:
-        EmitterError: ROS cannot use a name, an option is wrong, or the robot lacks what URDF or MoveIt requires.
-        MissingDependencyError: what finds collision pairs for MoveIt is not installed.
-    """
+    """The packages of a robot; the xacro to open comes first."""
     if not VERSION.fullmatch(options.version):
         raise EmitterError(say("package-version-wrong", field="version", found=options.version))
     name = files.robot_name(stem, options.package)
@@ -124,12 +119,7 @@ def _description(
 
 
 def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iterator[tuple[str, bytes]]:
-    """The files of the MoveIt package by their places in it.
-
-    Raises:
-        EmitterError: nothing of the robot moves, or a mesh cannot be read.
-        MissingDependencyError: what finds collision pairs is not installed.
-    """
+    """The files of the MoveIt package by their places in it."""
     if not robot.moving_joints:
         raise EmitterError(say("moveit-without-joints", field="moveit"))
     arms, description, controlled = yamls.arm_joints(robot), f"{name}_description", options.controlled

@@ -40,12 +40,7 @@ def emit(robot: Robot, stem: str, options: SrdfOptions) -> tuple[EmittedFile]:
 
 
 def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:
-    """The SRDF of a robot.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, or a mesh cannot be read.
-        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-    """
+    """The SRDF of a robot."""
     from dh2urdf_plugins.collision_pairs.search import robot_pairs
     from dh2urdf_plugins.formats.urdf.writer import serialise
     from dh2urdf_plugins.packages.srdf.semantics import semantics
@@ -54,12 +49,7 @@ def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:
 
 
 def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: SrdfOptions) -> Annotation:
-    """The collision pairs of a URDF or a xacro of any origin, in an SRDF of their own or in an earlier one.
-
-    Raises:
-        InputError: a file cannot be read, or is none of its format.
-        MissingDependencyError: pinocchio, coal or what reads meshes is not installed.
-    """
+    """The collision pairs of a URDF or a xacro of any origin, in an SRDF of their own or in an earlier one."""
     from dh2urdf.documents import read_bytes
     from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
     from dh2urdf.stages import Annotation

@@ -47,9 +47,6 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
 
     Pairs of the same reason stay where they are, and so do pairs that have a reason of their own, such as ``User``:
     those are somebody's decision. Other pairs go, and new ones come behind the last.
-
-    Raises:
-        InputError: it is no SRDF, or it has macros.
     """
     root = _root(content, file)
     places = [match.span(1) for match in _ELEMENT.finditer(content) if match[1]]
@@ -92,11 +89,7 @@ def updated(content: bytes, file: str, robot: Robot, pairs: Sequence[DisabledPai
 
 
 def _root(content: bytes, file: str) -> etree._Element:
-    """The outermost element of an SRDF.
-
-    Raises:
-        InputError: it is no SRDF, or its pairs cannot be brought up to date.
-    """
+    """The outermost element of an SRDF."""
     if b"\0" in content[:4]:
         raise _refusal(file, "srdf-in-utf-16")
     try:

@@ -46,11 +46,7 @@ class Group(NamedTuple):
 
 
 def groups(robot: Robot, name: str) -> list[Group]:
-    """A group for each arm that moves: the name alone, or behind the prefix of the arm in a cell.
-
-    Raises:
-        EmitterError: the name is none, or it is that of the group of all arms.
-    """
+    """A group for each arm that moves: the name alone, or behind the prefix of the arm in a cell."""
     if not name.strip() or (len(robot.arms) > 1 and any(arm.prefix + name == EVERY_ARM for arm in robot.arms)):
         raise EmitterError(say("group-name-wrong", field="group", found=name, every=EVERY_ARM))
     ends = [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
@@ -66,11 +62,7 @@ def groups(robot: Robot, name: str) -> list[Group]:
 
 
 def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._Element:
-    """The SRDF of a robot or a cell.
-
-    Raises:
-        EmitterError: XML cannot hold one of its names, or the name of the group is none.
-    """
+    """The SRDF of a robot or a cell."""
     notation = Notation()
     root = etree.Element("robot", name=notation.text(robot.name))
     if robot.root != WORLD:

@@ -137,47 +137,33 @@ def _quoted(text: str) -> str:
 
 
 def toolbox_file(arms: Sequence[Manipulator]) -> bytes:
-    """A Python module with a DHRobot for each arm.
-
-    Raises:
-        EmitterError: a fixed row is between moving ones.
-    """
-    text = "".join(_robot(name, arm) for name, arm in _variables(arms, _TOOLBOX_NAMES))
+    """A Python module with a DHRobot for each arm; a fixed row between moving ones is an `EmitterError`."""
+    text = ""
+    for name, arm in _variables(arms, _TOOLBOX_NAMES):
+        base, rows, tool = _moving(arm)
+        poses = {
+            place.upper(): "" if pose == IDENTITY else f"{place}=SE3({_array(_matrix(pose))}, check=False),"
+            for place, pose in (("base", base), ("tool", tool))
+        }
+        links = "\n".join(f"{_class(arm, row)}({', '.join(_link(row))})," for row in rows)
+        text += filled("table/templates/robot.py", NAME=name, LINKS=links, TEXT=json.dumps(arm.name), **poses)
     words = set(re.findall(r"\w+", _STRING.sub("", text)))
     classes = sorted({_class(arm, row) for arm in arms for row in arm.moving_rows})
     title = ", ".join(" ".join(arm.name.split()) for arm in arms).replace("\\", "\\\\").replace('"', '\\"')
-    lines = [f'"""DH table of {title} for the Robotics Toolbox for Python, in m, rad and kg."""', ""]
-    if constants := [name for name in ("inf", "pi") if name in words]:
-        lines += [f"from math import {', '.join(constants)}", ""]
-    if "np" in words:
-        lines.append("import numpy as np")
-    lines.append(f"from roboticstoolbox import {', '.join(sorted(['DHRobot', *classes]))}")
-    if "SE3" in words:
-        lines.append("from spatialmath import SE3")
-    return ("\n".join(lines) + "\n" + text).encode()
-
-
-def _robot(name: str, arm: Manipulator) -> str:
-    """The statement that makes an arm.
-
-    Raises:
-        EmitterError: a fixed row is between moving ones.
-    """
-    base, rows, tool = _moving(arm)
-    poses = {
-        place.upper(): "" if pose == IDENTITY else f"{place}=SE3({_array(_matrix(pose))}, check=False),"
-        for place, pose in (("base", base), ("tool", tool))
-    }
-    links = [f"{_class(arm, row)}({', '.join(_link(row))})," for row in rows]
-    return filled("table/templates/robot.py", NAME=name, LINKS="\n".join(links), TEXT=json.dumps(arm.name), **poses)
+    constants = ", ".join(name for name in ("inf", "pi") if name in words)
+    head = filled(
+        "table/templates/module.py",
+        TITLE=title,
+        CONSTANTS=constants and f"from math import {constants}\n",
+        NUMPY="import numpy as np" if "np" in words else "",
+        CLASSES=", ".join(sorted(["DHRobot", *classes])),
+        POSES="from spatialmath import SE3" if "SE3" in words else "",
+    )
+    return f"{head}{text}".encode()
 
 
 def _moving(arm: Manipulator) -> tuple[RigidTransform, Sequence[DHRow], RigidTransform]:
-    """The base, the moving rows and the tool, with the fixed rows at the ends in base and tool.
-
-    Raises:
-        EmitterError: a fixed row is between moving ones.
-    """
+    """The base, the moving rows and the tool, with the fixed rows at the ends in base and tool."""
     rows = list(arm.rows)
     base, tool = arm.base, arm.tool
     while rows and rows[0].type is JointType.FIXED:

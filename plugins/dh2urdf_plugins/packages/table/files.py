@@ -10,25 +10,25 @@ from __future__ import annotations
 
 import json
 from contextlib import contextmanager
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.commands import left_out_of, table_content
 from dh2urdf.errors import EmitterError, InputError, RecordValueError
-from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, WORLD
-from dh2urdf.rotations import IDENTITY
+from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, WORLD, Inertia, Limits, LinkGeometry, MeshShape, Payload
+from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf.stages import EmittedFile
+from dh2urdf.table_text import PARAMETERS
 from dh2urdf_plugins.packages.table import SUFFIXES
 from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
-    from dh2urdf.manipulator import DHRow, Inertia, LinkGeometry, Manipulator, MeshShape
+    from dh2urdf.manipulator import DHRow, Manipulator
     from dh2urdf.robot import Robot
-    from dh2urdf.rotations import RigidTransform
     from dh2urdf_plugins.packages.table import Format, TableOptions
 
 say = Messages(__file__)
@@ -41,11 +41,7 @@ _MOST_LINKS = 6
 
 
 def tables_of(robot: Robot, stem: str, options: TableOptions) -> tuple[EmittedFile, ...]:
-    """A file of tables in each format that is asked for, as ``<stem>.yaml``, ``<stem>.tex`` and so on.
-
-    Raises:
-        EmitterError: no table of the robot is known, or a format cannot hold it.
-    """
+    """A file of tables in each format that is asked for, as ``<stem>.yaml``, ``<stem>.tex`` and so on."""
     arms = manipulators_of(robot)
     return tuple(
         EmittedFile(
@@ -58,11 +54,7 @@ def tables_of(robot: Robot, stem: str, options: TableOptions) -> tuple[EmittedFi
 
 
 def manipulators_of(robot: Robot) -> list[Manipulator]:
-    """The table of a robot, or one of each kind of arm of a cell.
-
-    Raises:
-        EmitterError: one is not known.
-    """
+    """The table of a robot, or one of each kind of arm of a cell."""
     kinds = {id(arm.kind): arm.kind for arm in robot.arms}.values() if robot.arms else (robot,)
     arms: dict[int, Manipulator] = {}
     for kind in kinds:
@@ -84,14 +76,6 @@ def _content(name: Format, arms: Sequence[Manipulator], options: TableOptions) -
         return table_content(name, arms, length_unit=options.length_unit, angle_unit=options.angle_unit)
 
 
-def _left_out(name: Format, arms: Sequence[Manipulator], options: TableOptions) -> Iterable[Problem]:
-    """Notices of what a format leaves out; a file that our readers read is read back."""
-    if name not in _READ_BACK:
-        return left_out_of_code(name, arms)
-    with _as_emitter_errors():
-        return left_out_of("csv" if name == "csv" else "yaml", arms, _content(name, arms, options))
-
-
 @contextmanager
 def _as_emitter_errors() -> Iterator[None]:
     try:
@@ -103,7 +87,13 @@ def _as_emitter_errors() -> Iterator[None]:
 def notices_of_tables(robot: Robot, options: TableOptions) -> list[Problem]:
     """What the formats leave out, that a table does not say where the arms of a cell are, and has no other links."""
     arms = manipulators_of(robot)
-    found = [notice for name in _formats(options) for notice in _left_out(name, arms, options)]
+    found: list[Problem] = []
+    for name in _formats(options):
+        if name not in _READ_BACK:
+            found += left_out_of_code(name, arms)
+            continue
+        with _as_emitter_errors():
+            found += left_out_of("csv" if name == "csv" else "yaml", arms, _content(name, arms, options))
     if robot.arms:
         kinds = f"{len(arms)} kind{'' if len(arms) == 1 else 's'} of arms"
         found.append(say("tables-of-a-cell", kinds=kinds, count=len(robot.arms)))
@@ -122,22 +112,17 @@ def json_file(arms: Sequence[Manipulator]) -> bytes:
 
 
 def _table(arm: Manipulator) -> dict[str, Any]:
-    payload, drawn = arm.payload, {None: None, True: "all", False: "none"}
-    base = _said(
-        matrix=_matrix(arm.base),
-        mass=arm.base_mass,
-        geometry=_geometry(arm.base_geometry),
-        visual=_mesh(arm.base_visual),
-        collision=_mesh(arm.base_collision),
-    )
+    drawn = {None: None, True: "all", False: "none"}
+    base = {"mass": arm.base_mass, "geometry": arm.base_geometry}
+    base |= {"visual": arm.base_visual, "collision": arm.base_collision}
     return _said(
         name=arm.name,
-        convention=str(arm.convention),
+        convention=arm.convention,
         units={"length": "m", "angle": "rad"},
-        base=base,
-        tool=_said(matrix=_matrix(arm.tool)),
-        payload=payload and _said(mass=payload.mass, com=payload.com, inertia=_inertia(payload.inertia)),
-        defaults=_said(geometry=_geometry(arm.geometry), density=arm.density),
+        base=_said(matrix=arm.base, **base),
+        tool=_said(matrix=arm.tool),
+        payload=arm.payload,
+        defaults=_said(geometry=arm.geometry, density=arm.density),
         visuals=drawn[arm.visuals],
         collisions=drawn[arm.collisions],
         joints=[_row(row) for row in arm.rows],
@@ -148,45 +133,33 @@ def _row(row: DHRow) -> dict[str, Any]:
     return _said(
         name=row.joint,
         link=row.link,
-        type=str(row.type),
-        **{name: getattr(row, name) for name in ("a", "alpha", "d", "theta")},
+        type=row.type,
+        **{name: getattr(row, name) for name in PARAMETERS},
         offset=row.offset or None,
         sign=row.sign if row.sign != 1 else None,
-        limits=_said(**{name: getattr(row.limits, name) for name in LIMITS}),
-        mass=row.mass,
-        com=row.com,
-        inertia=_inertia(row.inertia),
-        **{name: getattr(row, name) for name in ("radius", "damping", "friction", "armature")},
-        visual=_mesh(row.visual),
-        collision=_mesh(row.collision),
+        **{name: getattr(row, name) for name in ("limits", "mass", "com", "inertia", "radius")},
+        **{name: getattr(row, name) for name in ("damping", "friction", "armature", "visual", "collision")},
     )
 
 
 def _said(**entries: object) -> dict[str, Any]:
-    """The entries that say something."""
-    return {key: value for key, value in entries.items() if value is not None and value != {}}
+    """The entries that say something, as JSON has them."""
+    plain = {key: _plain(value) for key, value in entries.items()}
+    return {key: value for key, value in plain.items() if value is not None and value != {}}
 
 
-def _matrix(transform: RigidTransform) -> list[list[float]] | None:
-    if transform == IDENTITY:
-        return None
-    r, t = transform
-    return [[*r[0:3], t[0]], [*r[3:6], t[1]], [*r[6:9], t[2]], [0.0, 0.0, 0.0, 1.0]]
-
-
-def _inertia(inertia: Inertia | None) -> dict[str, Any] | None:
-    return {name: getattr(inertia, name) for name in INERTIA} if inertia else None
-
-
-def _geometry(geometry: LinkGeometry) -> dict[str, Any]:
-    return _said(shape=geometry.shape, radius=geometry.radius)
-
-
-def _mesh(shape: MeshShape | None) -> dict[str, Any] | None:
-    if shape is None:
-        return None
-    scale = None if shape.scale == (1.0, 1.0, 1.0) else shape.scale
-    return _said(file=shape.file.path, scale=scale, matrix=_matrix(shape.pose))
+def _plain(value: Any) -> Any:  # noqa: ANN401 - any entry
+    """An entry of a table as JSON has it: a transform is a matrix, and nothing where it is the identity."""
+    match value:
+        case RigidTransform(r, t):
+            matrix = [[*r[0:3], t[0]], [*r[3:6], t[1]], [*r[6:9], t[2]], [0.0, 0.0, 0.0, 1.0]]
+            return None if value == IDENTITY else matrix
+        case Limits() | Inertia() | LinkGeometry() | Payload():
+            return _said(**{each.name: getattr(value, each.name) for each in fields(value)})
+        case MeshShape():
+            scale = None if value.scale == (1.0, 1.0, 1.0) else value.scale
+            return _said(file=value.file.path, scale=scale, matrix=value.pose)
+    return value
 
 
 _WRITERS: dict[Format, Callable[[Sequence[Manipulator], TableOptions], bytes]] = {

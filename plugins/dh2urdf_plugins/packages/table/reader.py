@@ -20,12 +20,7 @@ _READERS = {".yaml": "yaml", ".yml": "yaml", ".json": "yaml", ".csv": "csv"}
 
 
 def read_table(path: Path) -> Robot:
-    """The robot of the one table of a file.
-
-    Raises:
-        InputError: no reader of tables reads the file.
-        ProofError: the table is wrong.
-    """
+    """The robot of the one table of a file."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         mark = Mark(file=str(path))

@@ -37,17 +37,11 @@ _WITHOUT_EXTENT = 1e-12
 
 
 class Body(NamedTuple):
-    """A link as a simulator holds it.
+    """A link as a simulator holds it."""
 
-    Attributes:
-        mass: [kg].
-        com: centre of mass in the link frame [m].
-        inertia: about the centre of mass, in the axes of the link frame, row by row [kg·m²].
-    """
-
-    mass: float
-    com: Vec3
-    inertia: Rotation
+    mass: float  # [kg]
+    com: Vec3  # centre of mass in the link frame [m]
+    inertia: Rotation  # about the centre of mass, in the axes of the link frame, row by row [kg·m²]
 
 
 class Precision(NamedTuple):

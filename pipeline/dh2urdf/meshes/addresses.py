@@ -74,20 +74,16 @@ def packages_in(paths: Iterable[Path]) -> dict[str, Path]:
 
 
 def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
-    if is_file(folder / PACKAGE_FILE):
-        yield _package_name(folder), folder
+    if is_file(manifest := folder / PACKAGE_FILE):
+        name = None
+        with suppress(PermissionError):
+            name = _NAME.search(manifest.read_bytes()[:_LARGEST_MANIFEST])
+        yield name[1].decode("utf-8", "replace") if name else folder.name, folder
     elif depth:
         for inner in sorted(folder.iterdir(), reverse=True):  # the first of a name comes last, and stays
             if is_folder(inner) and not inner.is_symlink():
                 with suppress(PermissionError):
                     yield from _packages(inner, depth - 1)
-
-
-def _package_name(folder: Path) -> str:
-    with suppress(PermissionError):
-        if match := _NAME.search((folder / PACKAGE_FILE).read_bytes()[:_LARGEST_MANIFEST]):
-            return match[1].decode("utf-8", "replace")
-    return folder.name
 
 
 def with_its_own(path: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
@@ -130,15 +126,8 @@ SUFFIXES = (".bin", ".bmp", ".gif", ".jpeg", ".jpg", ".mtl", ".png", ".tga", ".t
 class NamedFiles:
     """What trimesh asks for the files that a mesh file names: a resolver, as `trimesh.load_scene` takes it.
 
-    A file is read if it is in the folder of the mesh or below it, or anywhere in the ROS package of the mesh. Links are
-    followed before that is decided.
-
-    Attributes:
-        unread: the names that were not read, each with the reason.
-
-    Args:
-        mesh: the mesh file.
-        largest: size of a file that is read [B].
+    A file is read if it is not too large [B], and in the folder of the mesh or below it, or anywhere in the ROS package
+    of the mesh. Links are followed before that is decided. `unread` has the names of others, each with the reason.
     """
 
     def __init__(self, mesh: Path, largest: int) -> None:

@@ -81,9 +81,7 @@ def _visuals(shape: Visual) -> Iterator[Visual]:
         yield shape
         return
     seen, (whole, *_) = _converted_file(mesh.file, mesh.scale, MeshConversion.AUTO)
-    if shape.material is not None:
-        seen = ((None, whole),)
-    for rgba, file in seen:
+    for rgba, file in seen if shape.material is None else ((None, whole),):
         material = shape.material
         if rgba:  # A colour has the same name in every mesh and robot.
             material = Material(name="mesh_" + "".join([f"{round(255 * part):02x}" for part in rgba]), rgba=rgba)
@@ -94,9 +92,9 @@ def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
     mesh = shape.geometry
     if not isinstance(mesh, Mesh) or mesh.file is None:
         yield shape
-    else:
-        for file in _converted_file(mesh.file, mesh.scale, how)[1]:
-            yield replace(shape, geometry=_geometry(file))
+        return
+    for file in _converted_file(mesh.file, mesh.scale, how)[1]:
+        yield replace(shape, geometry=_geometry(file))
 
 
 def _geometry(file: MeshFile) -> Mesh:
@@ -108,6 +106,8 @@ def _converted_file(
     file: MeshFile, scale: Vec3, how: MeshConversion
 ) -> tuple[tuple[tuple[tuple[float, float, float, float] | None, MeshFile], ...], tuple[MeshFile, ...]]:
     """A file as files to be seen, with their colours, and files that touch."""
+    from hashlib import sha256
+
     from dh2urdf.isolation.child_process import run_in_child
     from dh2urdf.isolation.encodings import Data
     from dh2urdf.meshes.forms import Forms, behind_fence
@@ -136,8 +136,6 @@ def _converted_file(
     except CrashError as error:
         accepted = f"a mesh whose conversion takes less than {seconds:g} s"
         raise type(error)([replace(problem, accepted=accepted) for problem in error.problems]) from error
-    from hashlib import sha256
-
     word = {MeshConversion.HULL: "_hull", MeshConversion.DECOMPOSITION: "_part"}.get(how, "")
 
     def named(kind: str, contents: list[bytes]) -> list[MeshFile]:

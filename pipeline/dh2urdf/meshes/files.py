@@ -79,22 +79,16 @@ def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
         why = error.problems[0]
         advice = f"; {why.suggestion}" if why.suggestion else ""
         raise ConfigError(say("no-mesh", found=text, reason=why.message, path=path, advice=advice)) from None
-    if not links:
-        _refuse_link(path, folder, text)
+    home = os.path.abspath(folder)  # noqa: PTH100 - as above
+    said, target = home if path.is_relative_to(home) else path.parent, Path(os.path.realpath(path))
+    # A link may not lead out of the folder, nor out of another one that the path names.
+    if not links and not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
+        raise ConfigError(say("mesh-link-outside", found=text, folder=said, target=target))
     try:
         status = path.stat()
         return MeshFile(path=str(path), sha256=_digest(str(path), status.st_mtime_ns, status.st_size))
     except OSError as error:
         raise ConfigError(say("mesh-unreadable", found=text, mesh=text, reason=error.strerror)) from None
-
-
-def _refuse_link(path: Path, folder: Path, text: str) -> None:
-    """Refuses a path that a link leads elsewhere than it says."""
-    home = os.path.abspath(folder)  # noqa: PTH100 - as above
-    said = home if path.is_relative_to(home) else path.parent
-    target = Path(os.path.realpath(path))
-    if not any(target.is_relative_to(os.path.realpath(root)) for root in (home, said)):
-        raise ConfigError(say("mesh-link-outside", found=text, folder=said, target=target))
 
 
 @lru_cache(maxsize=4096)
@@ -142,9 +136,9 @@ def located(robot: Robot, prefix: str | None) -> Robot:
 
     def named(shape: S) -> list[S]:
         mesh = shape.geometry
-        if isinstance(mesh, Mesh) and mesh.file:
-            return [replace(shape, geometry=replace(mesh, filename=f"{prefix}{copy_name(mesh.file)}"))]
-        return [shape]
+        if not isinstance(mesh, Mesh) or mesh.file is None:
+            return [shape]
+        return [replace(shape, geometry=replace(mesh, filename=f"{prefix}{copy_name(mesh.file)}"))]
 
     return with_shapes(robot, named, named)
 

@@ -14,7 +14,7 @@ from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.meshes.triangles import Part, read_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.rotations import Vec3
 
@@ -29,12 +29,7 @@ _CHUNK = 1 << 22  # distances that are computed at a time
 
 
 class Forms(NamedTuple):
-    """What became of a mesh, as OBJ files.
-
-    Attributes:
-        visuals: what is seen, by colours; a colour of None is for the description to give.
-        collisions: what touches.
-    """
+    """What is seen of a mesh, by colours, and what touches, as OBJ files; a description gives a colour of None."""
 
     visuals: list[tuple[tuple[float, float, float, float] | None, bytes]]
     collisions: list[bytes]
@@ -45,7 +40,11 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
 
     A `ValueError` says what is wrong with the mesh; an `ImportError` and a `MemoryError` are what they are.
     """
-    _warm_up(suffix, how)
+    import trimesh
+
+    # What would be imported on the way is imported before: behind the fence, no module can be read.
+    sample = trimesh.creation.box().export(file_type=suffix[1:])
+    forms_of(sample.encode() if isinstance(sample, str) else sample, suffix, (1.0, 1.0, 1.0), how)
     enter([Path(__file__).parent], seconds)
     try:
         return forms_of(content, suffix, scale, how)
@@ -56,14 +55,6 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
     except Exception as error:  # noqa: BLE001 - what readers of other people's files raise is anything
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from None
     raise MemoryError  # That of numpy cannot be handed to another process.
-
-
-def _warm_up(suffix: str, how: MeshConversion) -> None:
-    """Imports what would be imported on the way: behind the fence, no module can be read."""
-    import trimesh
-
-    sample = trimesh.creation.box().export(file_type=suffix[1:])
-    forms_of(sample.encode() if isinstance(sample, str) else sample, suffix, (1.0, 1.0, 1.0), how)
 
 
 def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> Forms:
@@ -92,24 +83,18 @@ def _written(parts: Sequence[Part]) -> bytes:
     """Parts as an OBJ file, which has been read again."""
     import numpy as np
 
-    text = "".join(_lines(parts)).encode()
+    lines, before = [], 1
+    for part in parts:  # vertices, then triangles; every number as the shortest text that is read as the same double
+        lines += [f"v {x!r} {y!r} {z!r}\n" for x, y, z in part.vertices.tolist()]
+    for part in parts:
+        lines += [f"f {a} {b} {c}\n" for a, b, c in (part.faces + before).tolist()]
+        before += len(part.vertices)
+    text = "".join(lines).encode()
     triangles, again = _soup(parts), _soup(read_parts(text, ".obj", (1.0, 1.0, 1.0)))
     size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     if triangles.shape != again.shape or not np.abs(triangles - again).max() <= _ROUNDING * size:
         raise ValueError("as OBJ it is read as another surface")
     return text
-
-
-def _lines(parts: Sequence[Part]) -> Iterator[str]:
-    """Vertices, then triangles; every number as the shortest text that is read as the same double."""
-    for part in parts:
-        for x, y, z in part.vertices.tolist():
-            yield f"v {x!r} {y!r} {z!r}\n"
-    before = 1
-    for part in parts:
-        for a, b, c in (part.faces + before).tolist():
-            yield f"f {a} {b} {c}\n"
-        before += len(part.vertices)
 
 
 def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array

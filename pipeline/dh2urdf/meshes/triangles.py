@@ -33,15 +33,10 @@ _ZIP = b"PK\x03\x04"
 
 
 class Asset(NamedTuple):
-    """What a COLLADA file declares about its numbers.
+    """What a COLLADA file declares about its numbers."""
 
-    Attributes:
-        unit: the unit of lengths [m].
-        up: the axis that points up: ``X_UP``, ``Y_UP``, also where the file does not say it, or ``Z_UP``.
-    """
-
-    unit: float = 1.0
-    up: str = "Z_UP"
+    unit: float = 1.0  # the unit of lengths [m]
+    up: str = "Z_UP"  # the axis that points up: ``X_UP``, ``Y_UP``, also where the file does not say it, or ``Z_UP``
 
 
 class Texture(NamedTuple):

@@ -38,21 +38,13 @@ _VECTORS = 32
 
 
 class Calibration(NamedTuple):
-    """The differences of one arm.
+    """The differences of one arm: what is added to the numbers of each row, from the base outwards, with its place."""
 
-    Attributes:
-        file: where they come from.
-        differences: what is added to the numbers of each row, from the base outwards, with the places of the rows.
-        joints: the names of the rows' joints; None where the order of the rows says which is meant.
-        of_moving_rows: whether they are those of the moving rows only, where the order says which is meant.
-        notices: what there is to report of the file.
-    """
-
-    file: str
+    file: str  # where they come from
     differences: tuple[tuple[dict[str, float], Mark | None], ...]
-    joints: tuple[str, ...] | None = None
-    of_moving_rows: bool = False
-    notices: tuple[Problem, ...] = ()
+    joints: tuple[str, ...] | None = None  # the names of the rows' joints; None where the order says which is meant
+    of_moving_rows: bool = False  # whether they are those of the moving rows only, where the order says which is meant
+    notices: tuple[Problem, ...] = ()  # what there is to report of the file
 
     def applied(self, rows: Sequence[DHRow]) -> list[DHRow]:
         """The rows with their differences."""
@@ -61,17 +53,12 @@ class Calibration(NamedTuple):
         if len(joints) != len(self.differences):
             what = "moving joints" if self.of_moving_rows else "joints"
             counts = {"count": str(len(self.differences)), "joints": str(len(names))}
-            raise TableError(
-                say("calibration-of-other-count", Mark(file=self.file), field="calibration", what=what, **counts)
-            )
-        for joint, (_, mark) in zip(joints, self.differences, strict=True):
+            mark = Mark(file=self.file)
+            raise TableError(say("calibration-of-other-count", mark, field="calibration", what=what, **counts))
+        for joint, (_, place) in zip(joints, self.differences, strict=True):
             if joint not in names:
-                near = did_you_mean(joint, names)
-                raise TableError(
-                    say(
-                        "calibration-joint-unknown", mark, field="joint", found=joint, names=names[:20], suggestion=near
-                    )
-                )
+                about = {"names": names[:20], "suggestion": did_you_mean(joint, names)}
+                raise TableError(say("calibration-joint-unknown", place, field="joint", found=joint, **about))
         added = {joint: numbers for joint, (numbers, _) in zip(joints, self.differences, strict=True)}
         return [
             replace(row, **{name: getattr(row, name) + value for name, value in added[row.joint].items() if value})
@@ -84,7 +71,16 @@ class Calibration(NamedTuple):
         """What the calibration changes: the largest difference of each number, and how far the tip moves."""
         largest = {name: max(abs(each.get(name, 0.0)) for each, _ in self.differences) for name in FIELDS}
         changes = [f"{name} by up to {value:.3g} {FIELDS[name]}".rstrip() for name, value in largest.items() if value]
-        moved, reach = _moved(given, calibrated)
+        draw = random.Random(f"dh2urdf {len(given.moving_rows)}")  # noqa: S311 - reproducible on purpose
+        moved = reach = 0.0  # How far the tips are from each other, and the given one from its base, at most [m].
+        for _ in range(_VECTORS):
+            ranges = [
+                (0.0, 1.0) if row.type is JointType.PRISMATIC else (-math.pi, math.pi) for row in given.moving_rows
+            ]
+            q = [draw.uniform(*ends) for ends in ranges]
+            here, there = forward_kinematics(given, q), forward_kinematics(calibrated, q)
+            moved = max(moved, position_error(here, there))
+            reach = max(reach, math.dist(here.translation, given.base.translation))
         return say(
             "calibration-moves-far" if moved > FAR * reach else "calibration-changes",
             Mark(file=self.file),
@@ -93,19 +89,6 @@ class Calibration(NamedTuple):
             changes=", ".join(changes) or "nothing",
             moved=1000 * moved,
         )
-
-
-def _moved(one: Manipulator, other: Manipulator) -> tuple[float, float]:
-    """How far the tips of two arms are from each other, and the first from its base, at most [m]."""
-    draw = random.Random(f"dh2urdf {len(one.moving_rows)}")  # noqa: S311 - reproducible on purpose
-    moved = reach = 0.0
-    for _ in range(_VECTORS):
-        ranges = [(0.0, 1.0) if row.type is JointType.PRISMATIC else (-math.pi, math.pi) for row in one.moving_rows]
-        q = [draw.uniform(*ends) for ends in ranges]
-        here, there = forward_kinematics(one, q), forward_kinematics(other, q)
-        moved = max(moved, position_error(here, there))
-        reach = max(reach, math.dist(here.translation, one.base.translation))
-    return moved, reach
 
 
 LISTS = {"delta_a": "a", "delta_alpha": "alpha", "delta_d": "d", "delta_theta": "theta"}

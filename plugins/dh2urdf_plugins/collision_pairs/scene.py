@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from random import Random
 
-    from dh2urdf.robot import Collision, Geometry, Joint, Origin
+    from dh2urdf.robot import Geometry, Joint, Origin
     from dh2urdf.rotations import Vec3
 
 say = Messages(__file__)
@@ -46,19 +46,12 @@ State = Mapping[str, float | Quaternion]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mechanism:
-    """A robot with what its joints follow.
+    """A robot with what its joints follow."""
 
-    Attributes:
-        robot: the links and joints; floating and planar joints are fixed in it.
-        followers: joints that mimic another, by name.
-        loose: floating and planar joints, by name.
-        file: what messages call the description.
-    """
-
-    robot: Robot
-    followers: Mapping[str, Follower] = field(default_factory=dict)
-    loose: Mapping[str, str] = field(default_factory=dict)
-    file: str | None = None
+    robot: Robot  # the links and joints; floating and planar joints are fixed in it
+    followers: Mapping[str, Follower] = field(default_factory=dict)  # joints that mimic another, by name
+    loose: Mapping[str, str] = field(default_factory=dict)  # floating and planar joints, by name
+    file: str | None = None  # what messages call the description
 
     def moves(self, joint: Joint) -> bool:
         """Whether a joint moves, by itself or behind another."""
@@ -96,29 +89,23 @@ class Mechanism:
 
     def state(self, random: Random | None = None) -> State:
         """Where the joints start, or a state within the limits that is drawn."""
-        driven = [joint for joint in self.robot.joints if self.moves(joint) and joint.name not in self.followers]
-        values = {joint.name: self._anywhere(joint, random) if random else self._start(joint) for joint in driven}
+        values: dict[str, float | Quaternion] = {}
+        for joint in self.robot.joints:
+            if not self.moves(joint) or joint.name in self.followers:
+                continue
+            if self.loose.get(joint.name) == FLOATING:
+                values[joint.name] = _anyhow_turned(random) if random else (0.0, 0.0, 0.0, 1.0)
+                continue
+            lower, upper = self._range(joint)
+            if random:
+                values[joint.name] = lower + random.random() * (upper - lower)
+            else:
+                values[joint.name] = 0.0 if lower <= 0.0 <= upper else 0.5 * lower + 0.5 * upper
         return with_followers(values, self._moved())
 
     def _moved(self) -> dict[str, Follower]:
         moving = (joint.name for joint in self.robot.joints if self.moves(joint))
         return {name: self.followers[name] for name in moving if name in self.followers}
-
-    def _start(self, joint: Joint) -> float | Quaternion:
-        if self.loose.get(joint.name) == FLOATING:
-            return (0.0, 0.0, 0.0, 1.0)
-        lower, upper = self._range(joint)
-        return 0.0 if lower <= 0.0 <= upper else 0.5 * lower + 0.5 * upper
-
-    def _anywhere(self, joint: Joint, random: Random) -> float | Quaternion:
-        if self.loose.get(joint.name) == FLOATING:
-            # A rotation from the uniform distribution over all: K. Shoemake, "Uniform random rotations", Graphics
-            # Gems III.
-            radius, first, second = random.random(), math.tau * random.random(), math.tau * random.random()
-            small, large = math.sqrt(1.0 - radius), math.sqrt(radius)
-            return small * math.sin(first), small * math.cos(first), large * math.sin(second), large * math.cos(second)
-        lower, upper = self._range(joint)
-        return lower + random.random() * (upper - lower)
 
     def _range(self, joint: Joint) -> tuple[float, float]:
         """The limits of a joint: a turn where it has none; a joint that slides without limits stays where it starts."""
@@ -128,6 +115,13 @@ class Mechanism:
         if joint.limits.velocity is None and lower is None and upper is None:
             return (0.0, 0.0) if joint.type is JointType.PRISMATIC else (-math.pi, math.pi)
         return lower or 0.0, upper or 0.0
+
+
+def _anyhow_turned(random: Random) -> Quaternion:
+    """A rotation from the uniform distribution over all: K. Shoemake, "Uniform random rotations", Graphics Gems III."""
+    radius, first, second = random.random(), math.tau * random.random(), math.tau * random.random()
+    small, large = math.sqrt(1.0 - radius), math.sqrt(radius)
+    return small * math.sin(first), small * math.cos(first), large * math.sin(second), large * math.cos(second)
 
 
 Pair = tuple[str, str]
@@ -140,11 +134,7 @@ def pair_of(one: str, other: str) -> Pair:
 
 
 class Scene:
-    """The collision shapes of a mechanism.
-
-    Attributes:
-        links: the links that have a shape, in the order of the description.
-    """
+    """The collision shapes of a mechanism; `links` are those that have any, in the order of the description."""
 
     def __init__(self, mechanism: Mechanism, mesh: Callable[[Mesh], tuple[bytes, str]]) -> None:
         """Builds the mechanism in pinocchio; `mesh` returns the content and the suffix of a mesh."""
@@ -156,10 +146,14 @@ class Scene:
         self._place_links()
         self._shapes = self._pinocchio.GeometryModel()
         self.links = tuple(link.name for link in mechanism.robot.links if link.collisions)
-        numbers = {
-            link.name: [self._shape(link.name, collision) for collision in link.collisions]
-            for link in mechanism.robot.links
-        }
+        numbers: dict[str, list[int]] = {name: [] for name in self.links}
+        for link in mechanism.robot.links:
+            for collision in link.collisions:
+                number, placement = self._carriers[link.name]
+                placement = placement * self._transform(collision.origin)
+                name, shape = f"{link.name}_{self._shapes.ngeoms}", self._geometry(link.name, collision.geometry)
+                shaped = self._pinocchio.GeometryObject(name, number, placement, shape)
+                numbers[link.name].append(self._shapes.addGeometryObject(shaped))
         self._pairs: list[Pair] = []
         for one, other in combinations(self.links, 2):
             for first in numbers[one]:
@@ -220,14 +214,6 @@ class Scene:
 
         rotation, translation = origin.transform
         return self._pinocchio.SE3(np.array(rotation).reshape(3, 3), np.array(translation))
-
-    def _shape(self, link: str, collision: Collision) -> int:
-        number, placement = self._carriers[link]
-        name = f"{link}_{self._shapes.ngeoms}"
-        shape = self._geometry(link, collision.geometry)
-        placement = placement * self._transform(collision.origin)
-        added: int = self._shapes.addGeometryObject(self._pinocchio.GeometryObject(name, number, placement, shape))
-        return added
 
     def _geometry(self, link: str, geometry: Geometry) -> Any:  # noqa: ANN401 - as above
         match geometry:

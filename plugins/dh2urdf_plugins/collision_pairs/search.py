@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from itertools import chain, combinations
+from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
@@ -40,30 +41,19 @@ ALWAYS = 190
 
 
 class DisabledPair(NamedTuple):
-    """Two links whose collisions need no check.
+    """Two links whose collisions need no check."""
 
-    Attributes:
-        link1: the first of them in the order of their names.
-        link2: the other.
-        reason: why.
-    """
-
-    link1: str
-    link2: str
-    reason: Reason
+    link1: str  # the first of them in the order of their names
+    link2: str  # the other
+    reason: Reason  # why
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CollisionPairs:
-    """What was found.
-
-    Attributes:
-        disabled: the pairs that need no check, in the order of their names, as MoveIt sorts them.
-        links: the links that have a collision shape.
-    """
+    """What was found: the pairs that need no check, in the order of their names, as MoveIt sorts them."""
 
     disabled: tuple[DisabledPair, ...]
-    links: tuple[str, ...]
+    links: tuple[str, ...]  # those that have a collision shape
 
     @property
     def checked(self) -> int:
@@ -87,9 +77,7 @@ def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
 
 
 def _content(mesh: Mesh) -> tuple[bytes, str]:
-    if mesh.file is None:
-        return b"", ""
-    return read_mesh(mesh.file), mesh.file.path[mesh.file.path.rfind(".") :].lower()
+    return (read_mesh(mesh.file), Path(mesh.file.path).suffix.lower()) if mesh.file else (b"", "")
 
 
 def collision_pairs(

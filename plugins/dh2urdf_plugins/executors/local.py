@@ -64,8 +64,7 @@ def map_locally(function: Callable[[Any], Any], tasks: Iterable[Any], options: L
     waiting = iter(tasks)
     first = list(islice(waiting, 2))
     if options.workers == 1 or sum(length_hint(task, 1) for task in first) <= 1:
-        yield from map(function, first)
-        yield from map(function, waiting)
+        yield from map(function, chain(first, waiting))
         return
     from dh2urdf.plugin_system import handed_over
 
@@ -91,7 +90,8 @@ class _Pool:
         from concurrent.futures import ThreadPoolExecutor
 
         self._begin = pickle.dumps((_begin, (function,)))
-        self._whose = " or ".join(name for name in getattr(function, "distributions", ()) if name != "dh2urdf")
+        others = " or ".join(name for name in getattr(function, "distributions", ()) if name != "dh2urdf")
+        self._whose = f"a stage of {others}" if others else "a worker"
         self._threads = ThreadPoolExecutor(workers)
         self._of_thread = threading.local()
         self._workers: list[Child] = []
@@ -104,7 +104,7 @@ class _Pool:
 
     def _do(self, task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
         """Return the result of one task, from the worker of this thread, or from another one if that dies."""
-        from dh2urdf.isolation import PICKLED, ChildFailure, result_of
+        from dh2urdf.isolation import PICKLED, ChildFailure, result_of, unmarked
 
         call = pickle.dumps((_work, (task,)))
         for _ in range(TRIES):
@@ -115,8 +115,11 @@ class _Pool:
             if answer.word in {"gone", "garbled"}:
                 reason = _reason(worker)
                 continue
-            if not self._is_ending:  # else it may print that it was ended
-                self._pass_on(worker)
+            if not self._is_ending and (lines := unmarked(worker.output.text())):  # else it may print that it was ended
+                # What C code and other programs printed during the task.
+                if len(lines) > MOST_PRINTED:
+                    lines = [f"[the last {MOST_PRINTED} lines of {worker.output.size:,} bytes]", *lines[-MOST_PRINTED:]]
+                sys.stderr.write("".join(f"{self._whose} prints: {printable(line)}\n" for line in lines))
             if answer.word == "left":
                 raise SystemExit(json.loads(answer.body)) from ChildFailure("", answer.text)
             return result_of(answer, PICKLED)
@@ -147,16 +150,6 @@ class _Pool:
                 raise ExecutorError(say("worker-without-function", reason=answer.text))
             reason = _reason(worker)
         raise ExecutorError(say("workers-not-started", reason=reason))
-
-    def _pass_on(self, worker: Child) -> None:
-        """Print on standard error what C code and other programs printed during a task."""
-        from dh2urdf.isolation import unmarked
-
-        lines = unmarked(worker.output.text())
-        if len(lines) > MOST_PRINTED:
-            lines = [f"[the last {MOST_PRINTED} lines of {worker.output.size:,} bytes]", *lines[-MOST_PRINTED:]]
-        name = f"a stage of {self._whose}" if self._whose else "a worker"
-        sys.stderr.write("".join(f"{name} prints: {printable(line)}\n" for line in lines))
 
     def end(self) -> None:
         """End all workers, at work or not, and wait until they are gone."""

@@ -82,26 +82,18 @@ class CoppeliaSimOptions(SimulatorOptions):
 class Simulator:
     """A simulator, and what is asked of it.
 
-    Attributes:
-        name: of the loader, of its module, and of the extra that installs its packages.
-        title: what messages call it.
-        summary: what the loader does.
-        formats: what it loads, the best first.
-        options: those of the loader.
-        packages: by the module that is imported, the package that has it; the first is the simulator's own. A simulator
-            without any is a program.
-        inspected: formats of the files of any origin that it is given, if any.
-        unopened: elements of these files that it takes over without looking at what they name.
+    `packages` has, by the module that is imported, the package that has it; the first is the simulator's own. A
+    simulator without any is a program.
     """
 
-    name: str
-    title: str
+    name: str  # of the loader, of its module, and of the extra that installs its packages
+    title: str  # what messages call it
     summary: str
-    formats: str
+    formats: str  # what it loads, the best first
     options: type[SimulatorOptions] = SimulatorOptions
     packages: dict[str, str]
-    inspected: str = ""
-    unopened: tuple[str, ...] = ()
+    inspected: str = ""  # formats of the files of any origin that it is given, if any
+    unopened: tuple[str, ...] = ()  # elements of these files that it takes over without looking at what they name
 
     @property
     def loader(self) -> Loader[Any]:

@@ -38,23 +38,14 @@ _BENT_JOINTS = 4  # whose bends are tried both ways
 
 
 class View(NamedTuple):
-    """How the arm stands, and the camera that just sees all of it.
+    """How the arm stands, and the camera that just sees all of it."""
 
-    Attributes:
-        q: the joint vector [rad or m].
-        eye: where the camera stands [m].
-        target: what it looks at [m].
-        distance: between the two [m].
-        low: the corner with the smallest coordinates of the box around the arm [m].
-        high: the corner with the largest [m].
-    """
-
-    q: JointVector
-    eye: Vec3
-    target: Vec3
-    distance: float
-    low: Vec3
-    high: Vec3
+    q: JointVector  # the joint vector [rad or m]
+    eye: Vec3  # where the camera stands [m]
+    target: Vec3  # what it looks at [m]
+    distance: float  # between the two [m]
+    low: Vec3  # the corner with the smallest coordinates of the box around the arm [m]
+    high: Vec3  # the corner with the largest [m]
 
     @property
     def floor(self) -> tuple[Vec3, float]:

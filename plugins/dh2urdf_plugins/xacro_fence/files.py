@@ -28,15 +28,9 @@ class FileError(Exception):
 
 
 class Files:
-    """Opens files below some folders, and nothing else.
-
-    Attributes:
-        roots: the folders.
-        packages: the folders of packages by name.
-    """
+    """Opens files below some folders, and nothing else: of the file that is expanded, and of named packages."""
 
     def __init__(self, path: Path, packages: Mapping[str, Path]) -> None:
-        """Takes the file that is expanded, and the folders of packages that the user names."""
         own = own_folder(path)
         self.packages = {name: folder.resolve() for name, folder in with_its_own(path, packages).items()}
         self.roots = tuple(dict.fromkeys((own, path.absolute().parent.resolve(), *self.packages.values())))

@@ -43,17 +43,11 @@ _GAZEBO = ("gz_ros2_control-system", "gz_ros2_control::GazeboSimROS2ControlPlugi
 
 
 class Kind(NamedTuple):
-    """A kind of arm in a package.
+    """A kind of arm in a package."""
 
-    Attributes:
-        macro: the name of its macro.
-        robot: the robot that it is alone.
-        folder: the folder of its YAML files in the package.
-    """
-
-    macro: str
-    robot: Robot
-    folder: str
+    macro: str  # the name of its macro
+    robot: Robot  # the robot that it is alone
+    folder: str  # the folder of its YAML files in the package
 
     @property
     def files(self) -> dict[str, str]:

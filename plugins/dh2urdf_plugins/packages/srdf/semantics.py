@@ -30,19 +30,12 @@ EVERY_ARM = "all"
 
 
 class Group(NamedTuple):
-    """The joints that are planned for together.
+    """The joints that are planned for together."""
 
-    Attributes:
-        name: its name.
-        base: the link where its chain begins.
-        tip: the link where it ends.
-        joints: its moving joints.
-    """
-
-    name: str
-    base: str
-    tip: str
-    joints: tuple[Joint, ...]
+    name: str  # its name
+    base: str  # the link where its chain begins
+    tip: str  # the link where it ends
+    joints: tuple[Joint, ...]  # its moving joints
 
 
 def groups(robot: Robot, name: str) -> list[Group]:

@@ -39,21 +39,13 @@ _POWER = re.compile(r"(-?[0-9.]+)[eE]([+-]?[0-9]+)")
 
 
 class Notation(NamedTuple):
-    """How a format writes what is in a cell.
+    """How a format writes what is in a cell."""
 
-    Attributes:
-        text: a name.
-        number: a number, such as ``-3*pi/4`` or ``1e-05``.
-        variable: the joint variable of a letter and a number.
-        minus: its minus sign.
-        formula: what is around a number or a sum.
-    """
-
-    text: Callable[[str], str]
-    number: Callable[[str], str]
-    variable: Callable[[str, int], str]
-    minus: str
-    formula: str = ""
+    text: Callable[[str], str]  # a name
+    number: Callable[[str], str]  # a number, such as ``-3*pi/4`` or ``1e-05``
+    variable: Callable[[str, int], str]  # the joint variable of a letter and a number
+    minus: str  # its minus sign
+    formula: str = ""  # what is around a number or a sum
 
 
 def markdown_file(arms: Sequence[Manipulator], options: TableOptions) -> bytes:

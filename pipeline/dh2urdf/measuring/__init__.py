@@ -79,10 +79,6 @@ class Comparison:
     def __init__(self, simulator: str, request: LoadRequest, precision: Precision = DOUBLE) -> None:
         self.simulator, self.request, self.robot, self.precision = simulator, request, request.robot, precision
 
-    def problem(self, *, joint: str | None = None, **words: Any) -> Problem:  # noqa: ANN401 - those of a Problem
-        """A problem of this robot, at the row of the joint that it is about."""
-        return self.placed(Problem(joint=joint, **words))
-
     def placed(self, problem: Problem) -> Problem:
         """The same problem as one of this robot, at the row of the joint that it is about."""
         row = next((each.mark for each in self.robot.joints if each.name == problem.joint), None)
@@ -275,37 +271,29 @@ def load_opened(
 ) -> LoadReport:
     """Open a file in a simulator, and compare joints, masses and poses with the robot that was written.
 
-    Raises:
-        LoaderError: the simulator refuses the file, or has another arm.
-        TypeError: `open_arm` gives something else than a `SimulatedArm` or a `LoadReport`.
-        ValueError: a pose is no matrix of four rows of four numbers.
+    A simulator that refuses the file, or has another arm, is a `LoaderError`; what a plugin must not give is a
+    `TypeError` or a `ValueError`.
     """
     arm = open_arm(request, options)
     if isinstance(arm, LoadReport):
         return arm
     if not isinstance(arm, SimulatedArm):
         raise TypeError(f"open returned {type(arm).__name__}, neither a SimulatedArm nor a LoadReport")
-    try:
-        return _measured(arm, request)
-    finally:
-        if arm.close is not None:
-            arm.close()
-
-
-def _measured(arm: SimulatedArm, request: LoadRequest) -> LoadReport:
     allowed = arm.tolerance
-    precision = Precision(
-        number=allowed, axis=allowed, inertia=allowed, position=allowed, angle=allowed, name=arm.simulator
-    )
+    precision = Precision(allowed, allowed, allowed, allowed, allowed, arm.simulator)
     comparison, bodies = Comparison(arm.simulator, request, precision), None
-    if arm.bodies is not None:
-        bodies = {name: Body(each.mass, each.com, tensor(each.inertia)) for name, each in arm.bodies.items()}
-    report = comparison.loaded(arm.version, map(_plain, arm.joints), bodies)
 
     def frames(q: Sequence[float], links: Sequence[str]) -> Mapping[str, RigidTransform]:
         return {link: _transform(arm.pose(link, q), link) for link in links}
 
-    return replace(report, findings=arm.findings, **comparison.poses(frames))
+    try:
+        if arm.bodies is not None:
+            bodies = {name: Body(each.mass, each.com, tensor(each.inertia)) for name, each in arm.bodies.items()}
+        report = comparison.loaded(arm.version, map(_plain, arm.joints), bodies)
+        return replace(report, findings=arm.findings, **comparison.poses(frames))
+    finally:
+        if arm.close is not None:
+            arm.close()
 
 
 def _plain(joint: Mapping[str, Any]) -> dict[str, Any]:

@@ -55,17 +55,10 @@ def unsettled(notices: Iterable[Problem]) -> tuple[Problem, ...]:
 
 
 def converted(robot: Robot, how: MeshConversion) -> Robot:
-    """A robot whose meshes are converted.
+    """A robot, and the kinds of its arms, whose meshes are converted.
 
-    Args:
-        robot: the robot; of a cell, the kinds of its arms are changed too.
-        how: what becomes of its meshes.
-
-    Raises:
-        EmitterError: a mesh cannot be converted; the problem names it, and its link.
-        CrashError: a library crashed on a mesh, or did not finish in time.
-        MissingDependencyError: a package that converts is not installed.
-        OutputError: a mesh cannot be read any more.
+    What cannot be converted is an `EmitterError` that names mesh and link; a library that crashed on it, or did not
+    finish in time, is a `CrashError`.
     """
     if not mesh_files(robot):
         return robot

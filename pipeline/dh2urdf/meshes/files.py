@@ -58,17 +58,10 @@ def prefix_of(word: str, *, in_folders: bool = False) -> str | None:
 
 
 def find_mesh(text: str, folder: Path, *, links: bool = False) -> MeshFile:
-    """The file that a table or a run file names.
+    """The file that a table or a run file in a folder names; a `ConfigError` says where it was looked for.
 
-    Args:
-        text: the path as it is written.
-        folder: the folder of the file that says it, from which the path leads.
-        links: whether a link may lead out of that folder. A table may be a stranger's, and come with links to files
-            of the user who reads it.
-
-    Raises:
-        ConfigError: there is none, or it cannot be read, or it is a link out of the folder; the problem says where it
-            was looked for.
+    Only where `links` are allowed may a link lead out of that folder. A table may be a stranger's, and come with links
+    to files of the user who reads it.
     """
     if "://" in text:
         raise ConfigError(say("mesh-address", found=text))

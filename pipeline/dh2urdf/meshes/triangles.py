@@ -74,17 +74,9 @@ class Part(NamedTuple):
 def load_scene(content: bytes, suffix: str, *, process: bool, named: NamedFiles | None = None) -> Any:  # noqa: ANN401 - a module without type information
     """What is in a mesh file as a trimesh scene, in the file's own unit and axes.
 
-    Args:
-        content: the file.
-        suffix: one of `FORMATS`.
-        process: whether trimesh merges vertices that are close, and drops those that are not finite.
-        named: reads the files that the mesh file names; without it they are not read.
-
-    Raises:
-        ImportError: trimesh, or pycollada for a COLLADA file, is not installed.
-        ValueError: the file is something else, or XML that `dh2urdf.documents.xml_elements` refuses; or the kernel
-            offers no wall, and the user does not trust the file.
-        Exception: what a reader of other people's files raises is anything.
+    Where it is asked to process, trimesh merges vertices that are close, and drops those that are not finite. Files
+    that the mesh file names are read by `named` alone. What a reader of other people's files raises is anything; a
+    `ValueError` also says that the kernel offers no wall, and the user does not trust the file.
     """
     import trimesh
 
@@ -164,7 +156,7 @@ def read_parts(
     """All triangles of a file, scaled, by their colours and textures in the order of their first appearance.
 
     Nothing is merged, moved or left out. Where the scale or a node of the file is a mirror, triangles are turned
-    round, so that outside stays outside.
+    round, so that outside stays outside. Without triangles, or with a corner that is not finite, it is a `ValueError`.
 
     Args:
         content: the file.
@@ -172,7 +164,7 @@ def read_parts(
         scale: factors along the axes of the mesh.
         as_in_ros: whether the axis up of a COLLADA file is taken for z whatever the file says: so do RViz and MoveIt,
             and makers' descriptions are drawn for them.
-        named: reads the materials and textures that the file names; without it they are not read.
+        named: as in `load_scene`.
     """
     import numpy as np
 

@@ -57,7 +57,7 @@ class Calibration(NamedTuple):
             raise TableError(say("calibration-of-other-count", mark, field="calibration", what=what, **counts))
         for joint, (_, place) in zip(joints, self.differences, strict=True):
             if joint not in names:
-                about = {"names": names[:20], "suggestion": did_you_mean(joint, names)}
+                about: dict[str, Any] = {"names": names[:20], "suggestion": did_you_mean(joint, names)}
                 raise TableError(say("calibration-joint-unknown", place, field="joint", found=joint, **about))
         added = {joint: numbers for joint, (numbers, _) in zip(joints, self.differences, strict=True)}
         return [

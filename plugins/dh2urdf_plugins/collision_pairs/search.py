@@ -56,16 +56,12 @@ class CollisionPairs:
     links: tuple[str, ...]  # those that have a collision shape
 
     @property
-    def checked(self) -> int:
-        """How many pairs are left to check."""
-        return len(self.links) * (len(self.links) - 1) // 2 - len(self.disabled)
-
-    @property
     def summary(self) -> str:
         """The counts in one line."""
         counts = Counter(pair.reason for pair in self.disabled)
         reasons = ", ".join(f"{reason} {counts[reason]}" for reason in REASONS)
-        return f"{len(self.links)} links with collision shapes; {reasons}; {self.checked} pairs to check"
+        checked = len(self.links) * (len(self.links) - 1) // 2 - len(self.disabled)
+        return f"{len(self.links)} links with collision shapes; {reasons}; {checked} pairs to check"
 
 
 def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:

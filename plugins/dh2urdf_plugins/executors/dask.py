@@ -80,11 +80,19 @@ def require(_options: DaskOptions) -> None:
 
 def map_on_dask(function: Callable[[Any], Any], tasks: Iterable[Any], options: DaskOptions) -> Iterator[Any]:
     """Results of a function over tasks, in their order, from the workers of a Dask cluster."""
+    from dh2urdf.isolation import Child
     from dh2urdf.plugin_system import handed_over
 
     with ExitStack() as stack:
-        workers = processors() if options.workers == "auto" else options.workers
-        address = options.scheduler or stack.enter_context(_own_cluster(workers))
+        if (address := options.scheduler) is None:
+            # A cluster that lives as long, in a child process: no Ctrl-C of a terminal arrives there, and the child is
+            # ended at once with all of it.
+            child = stack.enter_context(Child.started())
+            workers = processors() if options.workers == "auto" else options.workers
+            try:
+                address = child.call(_start, (workers,), None, "Dask").value
+            except (OSError, RuntimeError) as error:
+                raise ExecutorError(say("no-cluster", reason=f"{type(error).__name__}: {error}")) from error
         cluster = _Cluster(stack.enter_context(_client(address)), function)
         for task, future in handed_over(tasks, cluster.hand_over, cluster.ahead):
             yield cluster.result(task, future)
@@ -107,23 +115,6 @@ def _client(address: str) -> Iterator[Any]:
         yield client
     finally:
         client.close(timeout=_LOOK)  # The scheduler drops what it still has to do for this client.
-
-
-@contextmanager
-def _own_cluster(workers: int) -> Iterator[str]:
-    """The address of a cluster on this machine that lives as long.
-
-    It lives in a child process: no Ctrl-C of a terminal arrives there, and the child is ended at once with all of it.
-    """
-    from dh2urdf.isolation import Child
-
-    with Child.started() as child:
-        try:
-            address = child.call(_start, (workers,), None, "Dask").value
-        except (OSError, RuntimeError) as error:
-            reason = f"{type(error).__name__}: {error}"
-            raise ExecutorError(say("no-cluster", reason=reason)) from error
-        yield address
 
 
 def _start(workers: int) -> str:

@@ -112,7 +112,7 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
         except zmq.ZMQError as error:
             raise silent from error
         client.socket.setsockopt(zmq.RCVTIMEO, round(1000 * LOAD_TIME_LIMIT / 4))
-        with closing(Arm(request, Connection(client), same_machine=same_machine)) as arm:
+        with closing(Arm(request, client, same_machine=same_machine)) as arm:
             report = arm.report()
             if options.engine is None:
                 return report
@@ -143,35 +143,16 @@ def turn(key: str, what: str, patience: float) -> Iterator[None]:
         yield
 
 
-class Connection:
-    """A CoppeliaSim that answers through a client of Coppelia Robotics, and its errors as ours."""
-
-    def __init__(self, client: Any) -> None:  # noqa: ANN401 - a library without type information
-        self.client = client
-        self.lost = False
-
-    def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - any function of CoppeliaSim
-        """Call a function of CoppeliaSim."""
-        import zmq
-
-        try:
-            return function(*arguments)
-        except zmq.ZMQError as error:
-            self.lost = True
-            raise LoaderError("CoppeliaSim does not answer any more: it may have crashed, see its console") from error
-        except Exception as error:  # What CoppeliaSim refuses, the client raises as a bare Exception.
-            said = " ".join(str(error).replace("_=NL=_", " ").replace("_=TB=_", " ").split())
-            raise LoaderError(f"CoppeliaSim refused: {said} (its console says more)") from error
-
-
 class Arm(measures.Model):
-    """The arm as CoppeliaSim holds it, beside the robot that was written; it may run on another machine."""
+    """The arm as CoppeliaSim holds it, beside the robot that was written; it may run on another machine.
 
-    def __init__(self, request: LoadRequest, connection: Connection, *, same_machine: bool) -> None:
-        self.request, self.robot, self.connection = request, request.robot, connection
+    `client` is one of Coppelia Robotics, and has no type information.
+    """
+
+    def __init__(self, request: LoadRequest, client: Any, *, same_machine: bool) -> None:  # noqa: ANN401
+        self.request, self.robot, self.client, self.lost = request, request.robot, client, False
         self.comparison = measures.Comparison("CoppeliaSim", request, _PRECISION)
-        self.ask = connection.ask
-        self.sim = self.ask(connection.client.require, "sim")
+        self.sim = self.ask(client.require, "sim")
         if self.ask(self.sim.getSimulationState) != self.sim.simulation_stopped:
             raise LoaderError(
                 "CoppeliaSim is running a simulation: stop it, so that joints can be put where they belong"
@@ -195,6 +176,19 @@ class Arm(measures.Model):
             self.close()
             raise
 
+    def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - any function of CoppeliaSim
+        """Call a function of CoppeliaSim, with its errors as ours."""
+        import zmq
+
+        try:
+            return function(*arguments)
+        except zmq.ZMQError as error:
+            self.lost = True
+            raise LoaderError("CoppeliaSim does not answer any more: it may have crashed, see its console") from error
+        except Exception as error:  # What CoppeliaSim refuses, the client raises as a bare Exception.
+            said = " ".join(str(error).replace("_=NL=_", " ").replace("_=TB=_", " ").split())
+            raise LoaderError(f"CoppeliaSim refused: {said} (its console says more)") from error
+
     def _scene(self) -> list[int]:
         """The handles of all objects of the scene."""
         return list(self.ask(self.sim.getObjectsInTree, self.sim.handle_scene))
@@ -205,7 +199,7 @@ class Arm(measures.Model):
 
     def close(self) -> None:
         """Take what was imported out of the scene again."""
-        if not self.connection.lost and (imported := self._imported()):
+        if not self.lost and (imported := self._imported()):
             self.ask(self.sim.removeObjects, imported)
 
     def report(self) -> LoadReport:
@@ -244,7 +238,7 @@ class Arm(measures.Model):
     def _import(self, *, same_machine: bool) -> None:
         """Import the file by its path where CoppeliaSim can see it, else as a text."""
         text = self._text()
-        importer = self.ask(self.connection.client.require, "simURDF")
+        importer = self.ask(self.client.require, "simURDF")
         if not hasattr(importer, "importFile"):
             raise LoaderError("this CoppeliaSim is too old: its URDF importer has no `importFile`")
         roots: Sequence[int] = ()
@@ -254,7 +248,7 @@ class Arm(measures.Model):
             if not roots:  # It runs in a container, say, and does not see the file.
                 _, roots = self.ask(importer.importFile, text, OPTIONS)
         except LoaderError as error:
-            if self.connection.lost or not has_meshes(self.robot):
+            if self.lost or not has_meshes(self.robot):
                 raise
             # What the importer says where a link became nothing is that an object does not exist.
             reason = error.problems[0].message
@@ -369,17 +363,18 @@ class Arm(measures.Model):
             shape = self._shape(link.name) if link.name in moved else None
             if shape is not None and self.ask(self.sim.getObjectInt32Param, shape, self.sim.shapeintparam_static):
                 static.append(shown(link.name))
-        if heavy:
-            what = "links without mass weigh something in CoppeliaSim"
-            how = "it takes a mass of 0 for none said: leave the `inertial` of these links out"
-            yield self._otherwise(what, heavy, how)
-        if static:
-            what = "links are static in CoppeliaSim, and stand still in a simulation"
-            how = "a link needs a collision shape and an `inertial` to move there"
-            yield self._otherwise(what, static, how)
-
-    def _otherwise(self, what: str, links: Sequence[str], how: str) -> Problem:
-        return self.comparison.placed(say("coppeliasim-has-otherwise", what=what, links=listed(links), suggestion=how))
+        told = {
+            "links without mass weigh something in CoppeliaSim": heavy,
+            "links are static in CoppeliaSim, and stand still in a simulation": static,
+        }
+        advice = (
+            "it takes a mass of 0 for none said: leave the `inertial` of these links out",
+            "a link needs a collision shape and an `inertial` to move there",
+        )
+        for (what, links), how in zip(told.items(), advice, strict=True):
+            if links:
+                about: dict[str, Any] = {"what": what, "links": listed(links), "suggestion": how}
+                yield self.comparison.placed(say("coppeliasim-has-otherwise", **about))
 
     # The hold test, by an engine of CoppeliaSim's
 
@@ -397,7 +392,7 @@ class Arm(measures.Model):
             ask(sim.startSimulation)
             displacement = measures.farthest(start, self._vectors(engine, apart))
         finally:
-            if not self.connection.lost:
+            if not self.lost:
                 self._stop()
                 ask(sim.setStepping, False)
                 ask(sim.setInt32Param, sim.intparam_dynamic_engine, before)

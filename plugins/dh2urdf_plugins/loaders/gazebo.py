@@ -20,7 +20,6 @@ from dh2urdf.errors import LoaderError, MissingProgramError, ProofError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.measuring import DOUBLE, Body
-from dh2urdf.robot import Box, Cylinder, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, quarter_turns
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import HeldRobot
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from dh2urdf.measuring import Precision
-    from dh2urdf.robot import Geometry, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf.stages import LoadReport, LoadRequest, Question
     from dh2urdf_plugins.loaders.simulators import SimulatorOptions
 
@@ -183,7 +182,7 @@ def inspect(question: Question) -> HeldRobot:
         return HeldRobot(links=dict.fromkeys(_LINK.findall(converted.stdout.decode("utf-8", "replace"))))
     names, links = [link.name for link in held.model.links], measures.told_bodies(held.bodies)
     shapes = (
-        (link.name, word, _lengths(shape.geometry))
+        (link.name, word, measures.lengths(*size) if (size := measures.edges(shape.geometry)) else None)
         for link in held.model.links
         for word, shapes in ((measures.VISUAL, link.visuals), (measures.COLLISION, link.collisions))
         for shape in shapes
@@ -194,17 +193,6 @@ def inspect(question: Question) -> HeldRobot:
         frames=held.told_frames(names, question.postures),
         shapes=measures.told_shapes(shapes),
     )
-
-
-def _lengths(geometry: Geometry) -> measures.Lengths | None:
-    match geometry:
-        case Box(size=size):
-            return measures.lengths(*size)
-        case Cylinder(radius=radius, length=length):
-            return measures.round_lengths(radius, length)
-        case Sphere(radius=radius):
-            return measures.round_lengths(radius)
-    return None
 
 
 _LINK = re.compile(r"<link name='([^\n']*)'")

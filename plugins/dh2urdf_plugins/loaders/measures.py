@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf import measuring
@@ -11,7 +12,7 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Inertial
+from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, rotate, scale, subtract
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Mapping, Sequence
 
     from dh2urdf.measuring import Body
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Geometry, Joint, Robot
     from dh2urdf.stages import Question
 
 say = Messages(__file__)
@@ -105,15 +106,11 @@ def touching_pairs(robot: Robot) -> list[tuple[str, str]]:
     Links that fixed joints hold together are one body; a body and the next one always meet at their joint.
     """
     body = {link: carrier for link, (carrier, _) in carriers(robot).items()}
-    neighbours = {(body[joint.parent], body[joint.child]) for joint in robot.joints}
-    solid = [link.name for link in robot.links if link.collisions]
+    neighbours = {frozenset((body[joint.parent], body[joint.child])) for joint in robot.joints}
     return [
         (first, second)
-        for number, first in enumerate(solid)
-        for second in solid[number + 1 :]
-        if body[first] != body[second]
-        and (body[first], body[second]) not in neighbours
-        and (body[second], body[first]) not in neighbours
+        for first, second in combinations((link.name for link in robot.links if link.collisions), 2)
+        if body[first] != body[second] and frozenset((body[first], body[second])) not in neighbours
     ]
 
 
@@ -189,14 +186,10 @@ class Comparison(measuring.Comparison):
     def hold(
         self, start: Sequence[float], displacement: Sequence[float], contacts: Sequence[tuple[str, str]]
     ) -> dict[str, Any]:
-        """The hold test as a report has it, and its findings.
+        """The hold test as a report has it, and its findings; `contacts` are pairs of links that overlapped then.
 
-        An arm does not stay where a motor is too weak, or where every motor is strong enough and the solver is not.
-
-        Args:
-            start: the joint vector at which it began [rad or m].
-            displacement: how far each joint was from there at most [rad or m]; infinite where the arm flew apart.
-            contacts: the pairs of links that overlapped at the start.
+        Displacements from the `start` [rad or m] are infinite where the arm flew apart. An arm does not stay where a
+        motor is too weak, or where every motor is strong enough and the solver is not.
         """
         largest = max(displacement, default=0.0)
         loads = zip(self.robot.moving_joints, gravity_loads(self.robot, start), strict=True)
@@ -295,6 +288,18 @@ def lengths(x: float, y: float, z: float) -> Lengths:
     """The lengths of a shape along its axes, the longest first [m]."""
     first, second, third = sorted((float(x), float(y), float(z)), reverse=True)
     return first, second, third
+
+
+def edges(geometry: Geometry) -> Lengths | None:
+    """The edges of the box around a shape, in its axes [m]; None of a mesh, whose size only its file has."""
+    match geometry:
+        case Box(size=size):
+            return size
+        case Cylinder(radius=radius, length=length):
+            return (2 * radius, 2 * radius, length)
+        case Sphere(radius=radius):
+            return (2 * radius, 2 * radius, 2 * radius)
+    return None
 
 
 def round_lengths(radius: float, length: float | None = None) -> Lengths:

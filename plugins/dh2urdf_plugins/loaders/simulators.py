@@ -143,12 +143,7 @@ class Simulator:
         return MissingDependencyError(f"loader {self.name!r}", package, f"dh2urdf[{self.name}]", reason)
 
     def load(self, request: LoadRequest, options: SimulatorOptions) -> LoadReport:
-        """Load a file and measure the arm.
-
-        Raises:
-            LoaderError: the simulator cannot load the file, or holds another arm than the one that was written.
-            MissingDependencyError: as `prepare`.
-        """
+        """Load a file and measure the arm; a `LoaderError` where the simulator refuses it, or holds another arm."""
         self.prepare(options)
         return self._module().load(request, options)  # type: ignore[no-any-return]
 

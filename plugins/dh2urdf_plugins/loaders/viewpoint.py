@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.output import write_whole
-from dh2urdf.robot import Box, Cylinder, Link, Mesh, Sphere
-from dh2urdf.rotations import RigidTransform, Vec3
+from dh2urdf.robot import Link, Mesh
+from dh2urdf.rotations import ZERO, RigidTransform, Vec3
 from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Robot
 
 JointVector: TypeAlias = tuple[float, ...]
 Frames: TypeAlias = dict[str, RigidTransform]
@@ -102,19 +102,17 @@ def _poses(robot: Robot) -> list[JointVector]:
 
     Rails are drawn half way out. All are inside the limits.
     """
-    joints = robot.moving_joints
-
-    def bent(joint: Joint, bend: float) -> float:
-        lower, upper = joint.limits.lower, joint.limits.upper
-        if joint.type is JointType.PRISMATIC and lower is not None and upper is not None:
-            return (lower + upper) / 2
-        return measures.clipped(joint, bend)
-
-    return [
-        tuple(bent(joint, bend * sides[number % len(sides)]) for number, joint in enumerate(joints))
-        for bend in _BENDS
-        for sides in product((1, -1), repeat=min(len(joints), _BENT_JOINTS))
-    ]
+    poses = []
+    for bend, sides in product(_BENDS, product((1, -1), repeat=min(len(robot.moving_joints), _BENT_JOINTS))):
+        q = []
+        for number, joint in enumerate(robot.moving_joints):
+            lower, upper = joint.limits.lower, joint.limits.upper
+            if joint.type is JointType.PRISMATIC and lower is not None and upper is not None:
+                q.append((lower + upper) / 2)
+            else:
+                q.append(measures.clipped(joint, bend * sides[number % len(sides)]))
+        poses.append(tuple(q))
+    return poses
 
 
 def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
@@ -126,16 +124,7 @@ def _corners(link: Link) -> Any:  # noqa: ANN401 - an array of shape (n, 3)
         if isinstance(shape.geometry, Mesh):  # It probably reaches from the link's origin to somewhere.
             points.append(np.zeros((1, 3)))
         rotation, translation = shape.origin.transform
-        match shape.geometry:
-            case Box(size=(x, y, z)):
-                half = (x / 2, y / 2, z / 2)
-            case Cylinder(radius=radius, length=length):
-                half = (radius, radius, length / 2)
-            case Sphere(radius=radius):
-                half = (radius, radius, radius)
-            case _:  # a mesh, whose size only its file says
-                half = (0.0, 0.0, 0.0)
-        ends = np.array([*product((-1.0, 1.0), repeat=3)]) * half
+        ends = np.array([*product((-0.5, 0.5), repeat=3)]) * (measures.edges(shape.geometry) or ZERO)
         points.append(ends @ np.reshape(rotation, (3, 3)).T + translation)
     return np.concatenate(points)
 

@@ -35,13 +35,10 @@ STEPS_OF_MACRO = 100
 
 
 class Expanded(NamedTuple):
-    """What xacro made of a file.
+    """What xacro made of a file: the text, and where each element comes from, in the order of the text.
 
-    Attributes:
-        content: the text.
-        places: where each element of it comes from, in the order of the text; None where xacro has made it. The first
-            file is named as it was given; others are relative to the current folder where they are in it and the first
-            is, and absolute otherwise.
+    A place is None where xacro has made the element. The first file is named as it was given; others are relative to
+    the current folder where they are in it and the first is, and absolute otherwise.
     """
 
     content: bytes
@@ -56,17 +53,9 @@ def expand_foreign(
 ) -> Expanded:
     """The text that xacro makes of a file of unknown origin, which can do nothing but be read.
 
-    It is expanded in a child process behind `dh2urdf.isolation`. Expressions are checked before they are evaluated, and
-    files are read from the folder of the file, or of its ROS package, and from those of the packages that are named.
-    Variables of the environment are not given.
-
-    Args:
-        path: the file.
-        expansion: values of its ``xacro:arg`` elements, and the folders of further packages.
-        timeout: how long it may take [s]; `EXPANSION` by default.
-
-    Raises:
-        ProofError: xacro cannot expand the file, or something in it is refused; with the place where that is.
+    It is expanded in a child process behind `dh2urdf.isolation`, within `timeout` [s]. Expressions are checked before
+    they are evaluated, and files are read from the folder of the file, or of its ROS package, and from those of the
+    packages that are named. Variables of the environment are not given. A `ProofError` says where something is refused.
     """
     tell_of_missing_wall()
     limit = EXPANSION if timeout is None else timeout
@@ -109,8 +98,7 @@ def _named(path: Path, place: Place) -> Place:
 def _expanded(path: Path, arguments: dict[str, str], packages: dict[str, Path], seconds: float) -> _Result:
     """Expands a file in the child; its process is good for nothing else afterwards.
 
-    Returns:
-        The text, the places of its elements, and None; or what was wrong, with one place at most.
+    It returns what was wrong beside one place at most; or the text, the places of its elements, and None.
     """
     import xacro
 

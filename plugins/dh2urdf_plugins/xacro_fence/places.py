@@ -6,12 +6,12 @@ the element wherever xacro moves or copies it.
 
 from __future__ import annotations
 
+import types
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.dom import UserDataHandler, expatbuilder
 from xml.dom.minidom import Document, Element
 
 if TYPE_CHECKING:
-    import types
     from collections.abc import Iterator
     from xml.dom.minidom import Node
 
@@ -59,16 +59,13 @@ def keep_places(xacro: types.ModuleType) -> None:
     xacro.replace_node = replaced  # type: ignore[attr-defined]
 
 
-class _Copier:
-    """Gives a copy of an element the place of its original."""
-
-    @staticmethod
-    def handle(operation: int, key: str, place: Place, _original: Node, copy: Node) -> None:
-        if operation == UserDataHandler.NODE_CLONED:
-            copy.setUserData(key, place, _COPIER)
+def _keep_place(operation: int, key: str, place: Place, _original: Node, copy: Node) -> None:
+    """Give a copy of an element the place of its original."""
+    if operation == UserDataHandler.NODE_CLONED:
+        copy.setUserData(key, place, _COPIER)
 
 
-_COPIER = _Copier()
+_COPIER = types.SimpleNamespace(handle=_keep_place)
 
 
 def place_of(element: Element) -> Place | None:

@@ -32,6 +32,7 @@ from dh2urdf_plugins.packages.ros2.yaml_files import (
     follows_whole_table,
     parameter_key,
 )
+from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -103,23 +104,16 @@ def macro_file(kind: Kind, package: str) -> bytes:
 
 def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     """The macro of the ros2_control element of a kind of arm."""
-    library = _library()
-    file = kind.default(package, "initial_positions.yaml")
-    params = f"prefix:='' plugin:='{PLUGINS[options.hardware]}' initial_positions_file:='{file}'"
-    macro = append_element(library, "macro", name=f"{kind.macro}_ros2_control", params=params)
-    positions = "${xacro.load_yaml(initial_positions_file)['initial_positions']}"
-    append_element(macro, "property", name="initial_positions", value=positions)
-    control = etree.SubElement(macro, "ros2_control", {"name": "${prefix}" + kind.macro, "type": "system"})
-    etree.SubElement(etree.SubElement(control, "hardware"), "plugin").text = "${plugin}"
-    for joint in kind.robot.moving_joints:
-        element = etree.SubElement(control, "joint", {"name": "${prefix}" + joint.name})
-        for interface in options.command_interfaces:
-            etree.SubElement(element, "command_interface", name=interface)
-        state = etree.SubElement(element, "state_interface", {"name": "position"})
-        etree.SubElement(state, "param", {"name": "initial_value"}).text = f"${{initial_positions['{joint.name}']}}"
-        for interface in ("velocity", *(("effort",) if "effort" in options.command_interfaces else ())):
-            etree.SubElement(element, "state_interface", name=interface)
-    return serialise(library)
+    states = ("velocity", *(("effort",) if "effort" in options.command_interfaces else ()))
+    words = {
+        "COMMANDS": "\n".join(f'<command_interface name="{each}"/>' for each in options.command_interfaces),
+        "STATES": "\n".join(f'<state_interface name="{each}"/>' for each in states),
+    }
+    template = "ros2/templates/ros2_control{}.xacro".format
+    joints = [filled(template("_joint"), JOINT=joint.name, **words) for joint in kind.robot.moving_joints]
+    plugin, file = PLUGINS[options.hardware], kind.default(package, "initial_positions.yaml")
+    words = {"MACRO": kind.macro, "PLUGIN": plugin, "FILE": file, "JOINTS": "".join(joints).removesuffix("\n")}
+    return filled(template(""), **words).encode()
 
 
 def arms_of(robot: Robot) -> list[tuple[str, Robot]]:

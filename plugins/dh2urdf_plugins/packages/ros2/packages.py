@@ -7,14 +7,15 @@ The files for MoveIt are those that its setup assistant writes and that ``moveit
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
-from dh2urdf.meshes import copy_name, read_mesh
+from dh2urdf.meshes import copy_name, read_mesh, with_shapes
 from dh2urdf.robot import Joint, Link, Mesh, Origin
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, markdown_text
@@ -39,8 +40,10 @@ from dh2urdf_plugins.ros_conventions import VERSION
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from dh2urdf.robot import Robot
+    from dh2urdf.robot import Collision, Robot, Visual
     from dh2urdf_plugins.packages.ros2 import Ros2Options
+
+    S = TypeVar("S", Visual, Collision)
 
 say = Messages(__file__)
 
@@ -191,25 +194,15 @@ def _with_base(robot: Robot) -> Robot:
 def _with_meshes(robot: Robot, package: str, copies: dict[str, bytes]) -> Robot:
     """A robot whose meshes are files of the package; takes the contents of these files."""
 
-    def named(shape: Any, folder: str) -> Any:  # noqa: ANN401 - a Visual or a Collision
+    def copied(folder: str, shape: S) -> list[S]:
         mesh = shape.geometry
         if not isinstance(mesh, Mesh) or mesh.file is None:
-            return shape
+            return [shape]
         path = f"meshes/{folder}/{copy_name(mesh.file)}"
         copies[path] = read_mesh(mesh.file)
-        return replace(shape, geometry=replace(mesh, filename=f"package://{package}/{path}"))
+        return [replace(shape, geometry=replace(mesh, filename=f"package://{package}/{path}"))]
 
-    kinds = {id(arm.kind): _with_meshes(arm.kind, package, copies) for arm in robot.arms}
-    links = [
-        replace(
-            link,
-            visuals=tuple(named(each, "visual") for each in link.visuals),
-            collisions=tuple(named(each, "collision") for each in link.collisions),
-        )
-        for link in robot.links
-    ]
-    arms = tuple(replace(arm, kind=kinds[id(arm.kind)]) for arm in robot.arms)
-    return replace(robot, links=tuple(links), arms=arms)
+    return with_shapes(robot, partial(copied, "visual"), partial(copied, "collision"))
 
 
 # --- Notices ----------------------------------------------------------------------------------------------------------

@@ -18,8 +18,6 @@ from dh2urdf_plugins.formats.urdf.writer import Notation
 from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from dh2urdf.robot import Joint, Robot
     from dh2urdf_plugins.collision_pairs.search import CollisionPairs
 
@@ -78,21 +76,17 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
         )
         for joint, position in zip(group.joints, positions, strict=True):
             _append(element, "joint", {"name": joint.name, "value": format_numbers((position,))[0]}, notation)
-    for words in _end_effectors(robot, group_name):
-        _append(root, "end_effector", words, notation)
+    # What arms of a cell hold: another one at the flange or the tool that moves fewer joints, such as a gripper.
+    arms = {arm.prefix + end: arm for arm in robot.arms for end in ENDS}
+    for arm in robot.arms:
+        holder = arms.get(arm.parent)
+        if holder and 0 < len(arm.kind.moving_joints) < len(holder.kind.moving_joints):
+            own, parent = (each.prefix + group_name for each in (arm, holder))
+            words = {"name": arm.name, "parent_link": arm.parent, "group": own, "parent_group": parent}
+            _append(root, "end_effector", words, notation)
     for pair in pairs.disabled:
         _append(root, "disable_collisions", pair._asdict(), notation)
     return root
-
-
-def _end_effectors(robot: Robot, group_name: str) -> Iterator[dict[str, str]]:
-    """What arms of a cell hold: another one at the flange or the tool that moves fewer joints, such as a gripper."""
-    arms = {arm.prefix + end: arm for arm in robot.arms for end in ENDS}
-    for arm in robot.arms:
-        count, holder = len(arm.kind.moving_joints), arms.get(arm.parent)
-        if holder and 0 < count < len(holder.kind.moving_joints):
-            own, parent = (each.prefix + group_name for each in (arm, holder))
-            yield {"name": arm.name, "parent_link": arm.parent, "group": own, "parent_group": parent}
 
 
 def _append(parent: etree._Element, tag: str, words: dict[str, str], notation: Notation) -> etree._Element:

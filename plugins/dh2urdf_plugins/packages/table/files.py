@@ -113,13 +113,14 @@ def json_file(arms: Sequence[Manipulator]) -> bytes:
 
 def _table(arm: Manipulator) -> dict[str, Any]:
     drawn = {None: None, True: "all", False: "none"}
-    base = {"mass": arm.base_mass, "geometry": arm.base_geometry}
-    base |= {"visual": arm.base_visual, "collision": arm.base_collision}
     return _said(
         name=arm.name,
         convention=arm.convention,
         units={"length": "m", "angle": "rad"},
-        base=_said(matrix=arm.base, **base),
+        base=_said(
+            matrix=arm.base,
+            **{name: getattr(arm, f"base_{name}") for name in ("mass", "geometry", "visual", "collision")},
+        ),
         tool=_said(matrix=arm.tool),
         payload=arm.payload,
         defaults=_said(geometry=arm.geometry, density=arm.density),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TableError
@@ -30,28 +30,18 @@ say = Messages(__file__)
 _FEW = 6
 
 
-class Asked(NamedTuple):
-    """What is asked of a description.
+def manipulator_of(
+    tree: Tree, tip: str, name: str, choices: Choices, find: Callable[[str], Path | None], *, repair: bool
+) -> Manipulator:
+    """The manipulator of the chain from the base link of a tree to a tip link.
 
-    Attributes:
-        choices: of the table.
+    Args:
+        tree: of the description.
+        tip: the tip link.
         name: the manipulator's name.
+        choices: of the table.
         find: the file that an address of a mesh means.
         repair: whether rounded parts of π are read as they were meant.
-    """
-
-    choices: Choices
-    name: str
-    find: Callable[[str], Path | None]
-    repair: bool
-
-    def notice(self, code: str, field: str | None = None, **values: Any) -> Problem:  # noqa: ANN401 - of a message
-        """A notice of the manipulator."""
-        return say(code, robot=self.name, field=field, **values)
-
-
-def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
-    """The manipulator of the chain from the base link of a tree to a tip link.
 
     Raises:
         TableError: the chain is none of an arm, or no table of it is within the tolerance.
@@ -59,40 +49,41 @@ def manipulator_of(tree: Tree, tip: str, asked: Asked) -> Manipulator:
     description, mark = tree.description, Mark(file=tree.description.file)
     given = tree.chain(tip)
     chain = tuple(map(_with_unit_axis, given))
-    solution = solve(chain, asked.choices)
+    solution, tolerance = solve(chain, choices), choices.tolerance
     found: dict[str, Any] = dict(zip(("position", "angle"), solution.difference, strict=True))
-    if not solution.error <= asked.choices.tolerance:
-        raise TableError(_too_far(solution, asked, mark))
-    precision = Precision.of(asked.choices.tolerance, solution.length)
-    carried = Carried(tree, chain, asked.find, precision)
+    if not solution.error <= tolerance:
+        is_split = all(pair.split for pair in solution.nearly_parallel)
+        advice = None if is_split else "the option near_parallel: split keeps numbers of the arm's own size"
+        found |= {"tolerance": tolerance, "least": solution.error, "suggestion": advice}
+        raise TableError(say("table-too-far", mark, robot=name, field="tolerance", found=f"{tolerance:.9g}", **found))
+    carried = Carried(tree, chain, find, Precision.of(tolerance, solution.length))
     notices = [
-        asked.notice("chain-extracted", base=tree.base, tip=tip, **found, count=RANDOM_VECTORS + 1),
-        *_rounded(tree, tip, asked),
-        *(replace(pair.notice(), robot=asked.name) for pair in solution.nearly_parallel),
-        *_besides_the_chain(description, given, carried, asked),
+        say("chain-extracted", base=tree.base, tip=tip, **found, count=RANDOM_VECTORS + 1),
+        *_rounded(tree, tip, repair=repair),
+        *(pair.notice() for pair in solution.nearly_parallel),
+        *_besides_the_chain(description, given, carried),
     ]
-    rows, row_notices = _rows(solution, chain, carried, asked, mark)
+    rows, row_notices = _rows(solution, chain, carried, mark)
     base = carried.body(0, solution.table.base)
     notices += row_notices
     if base.mass:
-        notices.append(asked.notice("base-keeps-mass-alone", "base.mass"))
-    notices += [asked.notice("left-out-of-table", what=sentence) for sentence in carried.lost]
+        notices.append(say("base-keeps-mass-alone", field="base.mass"))
+    notices += [say("left-out-of-table", what=sentence) for sentence in carried.lost]
     # Links without a mass beside others that have one: no row that moves has the mass 0.
     weightless = [shown(row.link) for row in rows if row.mass is None]
     if weightless and any(row.mass for row in rows):
-        notices.append(asked.notice("masses-missing", "mass", links=listed(weightless, _FEW)))
+        notices.append(say("masses-missing", field="mass", links=listed(weightless, _FEW)))
+    notices = [each.about(robot=name, mark=mark) for each in notices]
     try:
-        return Manipulator(
-            name=asked.name,
-            convention=solution.table.convention,
+        return replace(
+            solution.table,
+            name=name,
             rows=rows,
-            base=solution.table.base,
-            tool=solution.table.tool,
             base_mass=base.mass,
             base_visual=base.visual,
             base_collision=base.collision,
             mark=mark,
-            notices=(*description.notices, *(each.about(mark=mark) for each in notices), *description.left_out),
+            notices=(*description.notices, *notices, *description.left_out),
         )
     except TableError as error:
         raise TableError(problem.about(mark=mark) for problem in error.problems) from error
@@ -108,7 +99,7 @@ def _with_unit_axis(joint: Joint) -> Joint:
 
 
 def _rows(
-    solution: Solution, chain: Sequence[Joint], carried: Carried, asked: Asked, mark: Mark
+    solution: Solution, chain: Sequence[Joint], carried: Carried, mark: Mark
 ) -> tuple[tuple[DHRow, ...], list[Problem]]:
     """The rows with all that goes with them, and notices."""
     moving = {joint.name: joint for joint in chain if joint.type is not JointType.FIXED}
@@ -131,10 +122,11 @@ def _rows(
     notices = []
     for text, joints in unknown.items():
         names_of = listed(list(map(shown, joints)), _FEW)
-        notices.append(asked.notice("limit-left-out", f"limits.{text.partition(' ')[0]}", limit=text, joints=names_of))
+        field = f"limits.{text.partition(' ')[0]}"
+        notices.append(say("limit-left-out", field=field, limit=text, joints=names_of))
     if names.renamed:
         pairs = [f"{shown(old)} is {shown(new)}" for old, new in names.renamed.items()]
-        notices.append(asked.notice("names-replaced", pairs=listed(pairs, _FEW)))
+        notices.append(say("names-replaced", pairs=listed(pairs, _FEW)))
     return tuple(rows), notices
 
 
@@ -181,15 +173,7 @@ class _Names:
 # --- Notices ----------------------------------------------------------------------------------------------------------
 
 
-def _too_far(solution: Solution, asked: Asked, mark: Mark) -> Problem:
-    found: dict[str, Any] = dict(zip(("position", "angle"), solution.difference, strict=True))
-    tolerance, is_split = asked.choices.tolerance, all(pair.split for pair in solution.nearly_parallel)
-    advice = None if is_split else "the option near_parallel: split keeps numbers of the arm's own size"
-    about = {**found, "tolerance": tolerance, "least": solution.error, "suggestion": advice}
-    return say("table-too-far", mark, robot=asked.name, field="tolerance", found=f"{tolerance:.9g}", **about)
-
-
-def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
+def _rounded(tree: Tree, tip: str, *, repair: bool) -> Iterator[Problem]:
     """The numbers that were meant to be parts of π, and what they do to the tip."""
     description = tree.description
     if description.repaired is None:
@@ -204,15 +188,13 @@ def _rounded(tree: Tree, tip: str, asked: Asked) -> Iterator[Problem]:
     count = f"{places} place{'s' if places > 1 else ''}{where}"
     others = "" if all(each.text == first.text for each in description.rounded) else " and the like"
     about: dict[str, Any] = {"text": first.text, "word": first.word + others, "count": count, "position": position}
-    if asked.repair:
-        yield asked.notice("pi-repaired", "rounded_pi", **about, angle=angle)
+    if repair:
+        yield say("pi-repaired", field="rounded_pi", **about, angle=angle)
     elif max(position, angle) > 1e-10:  # noqa: PLR2004 - below, the table has the part of π anyhow
-        yield asked.notice("pi-rounded", "rounded_pi", **about)
+        yield say("pi-rounded", field="rounded_pi", **about)
 
 
-def _besides_the_chain(
-    description: Description, chain: Sequence[Joint], carried: Carried, asked: Asked
-) -> Iterator[Problem]:
+def _besides_the_chain(description: Description, chain: Sequence[Joint], carried: Carried) -> Iterator[Problem]:
     """Joints that are no part of the chain, and axes that are no unit vectors."""
     followers = [name for name in description.followers if name in carried.left_out]
     moving = [joint for joint in chain if joint.type is not JointType.FIXED]
@@ -223,4 +205,4 @@ def _besides_the_chain(
         ("axes-of-other-length", long_axes),
     ):
         if names:
-            yield asked.notice(code, joints=listed(list(map(shown, names)), _FEW))
+            yield say(code, joints=listed(list(map(shown, names)), _FEW))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Collision, Inertial, Joint, Visual
+    from dh2urdf.robot import Collision, Joint, Visual
     from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.chain import Precision
 
@@ -31,21 +31,13 @@ _DIGITS = 1e-10
 
 
 class Body(NamedTuple):
-    """What the rows of a table hold of a link.
+    """What the rows of a table hold of a link."""
 
-    Attributes:
-        mass: its mass [kg]; None where the description gives it none.
-        com: its centre of mass in the frame [m].
-        inertia: about the centre of mass, axes of the frame [kg·m²]; None where it is none of a body.
-        visual: the mesh that it is seen as.
-        collision: the mesh that it touches with.
-    """
-
-    mass: float | None
-    com: Vec3 | None
-    inertia: Inertia | None
-    visual: MeshShape | None
-    collision: MeshShape | None
+    mass: float | None  # [kg]; None where the description gives it none
+    com: Vec3 | None  # its centre of mass in the frame [m]
+    inertia: Inertia | None  # about the centre of mass, axes of the frame [kg·m²]; None where it is none of a body
+    visual: MeshShape | None  # what it is seen as
+    collision: MeshShape | None  # what it touches with
 
 
 class Carried:
@@ -61,14 +53,7 @@ class Carried:
     def __init__(
         self, tree: Tree, chain: Sequence[Joint], find: Callable[[str], Path | None], precision: Precision
     ) -> None:
-        """Follows the tree from the base link.
-
-        Args:
-            tree: the description's links and joints.
-            chain: the joints from the base link to the tip link.
-            find: the file that an address of a mesh means; None where there is none.
-            precision: what numbers may lose.
-        """
+        """Follows the tree from the base link; `find` finds the file of a mesh, and numbers may lose the precision."""
         on_chain = {joint.name for joint in chain}
         self._links = {link.name: link for link in tree.robot.links}
         self._find, self._precision = find, precision
@@ -84,12 +69,7 @@ class Carried:
         self.left_out = [joint.name for joint in tree.robot.joints if joint.name in leaving]
 
     def body(self, segment: int, frame: RigidTransform) -> Body:
-        """What is carried by a joint of the chain, in its frame at q = 0.
-
-        Args:
-            segment: number of the joint, from 1 on; 0 for the base.
-            frame: the frame of the row in the base link.
-        """
+        """What is carried by the n-th joint of the chain, or the base (0), in its frame in the base link at q = 0."""
         back = frame.inverse
         names = [name for name in self._links if self.segments.get(name) == segment]
         what = "the base" if segment == 0 else shown(names[0])
@@ -97,7 +77,12 @@ class Carried:
         seen = [(name, shape) for name in names for shape in self._links[name].visuals]
         touching = [(name, shape) for name in names for shape in self._links[name].collisions]
         mass = com = inertia = None
-        if 0.0 < sum(body.mass for _, body in weighed) < math.inf and all(_is_finite(body) for _, body in weighed):
+        numbers = [
+            number
+            for _, body in weighed
+            for number in (body.mass, *body.com, *(getattr(body.inertia, name) for name in INERTIA))
+        ]
+        if 0.0 < sum(body.mass for _, body in weighed) < math.inf and all(map(math.isfinite, numbers)):
             whole = compound([placed(body, back @ self.poses[name]) for name, body in weighed])
             x, y, z = map(self._precision.length_of, whole.com)
             mass, com, inertia = whole.mass, (x, y, z), self._inertia(whole.inertia, what)
@@ -141,7 +126,3 @@ class Carried:
                 why = error.problems[0].message
         self.lost.append(f"what {what}: {why}")
         return None
-
-
-def _is_finite(body: Inertial) -> bool:
-    return all(map(math.isfinite, (body.mass, *body.com, *(getattr(body.inertia, name) for name in INERTIA))))

@@ -14,7 +14,7 @@ from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import ProofError, TableError
-from dh2urdf.robot import Robot
+from dh2urdf.robot import Link, Robot
 from dh2urdf.rotations import total
 from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
@@ -27,8 +27,9 @@ from dh2urdf_plugins.formats.urdf import reader as urdf_reader
 from dh2urdf_plugins.formats.xml_files import LARGEST, Unread, mark_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from dh2urdf.robot import Joint
     from dh2urdf_plugins.formats.xml_files import Model
 
 say = Messages(__file__)
@@ -47,34 +48,21 @@ class Rounded(NamedTuple):
 
 @dataclass(slots=True, kw_only=True)
 class Description:
-    """What is in a file.
-
-    Attributes:
-        file: the file, as messages name it.
-        folder: from where the paths of its meshes lead.
-        robot: its links and joints; joints that no table has are fixed in it.
-        followers: joints that mimic another, by name, and how; the name of the leader is empty where it is missing.
-        loose: joints that no table has, with their types.
-        rounded: numbers that were meant to be parts of π.
-        repaired: the robot with these numbers read as they were meant; None where there are none. Where it is asked
-            for, it is `robot`, and this is the robot as it is written.
-        notices: what a careful person would want to know about how the file was read.
-        left_out: what is in the file besides, and neither the robot nor a table has a place for.
-        doubly: links that are held besides the joints of the robot, which closes a loop.
-        faulty: joints that could not be read, by name, with what is wrong: where their links are is not known.
-    """
+    """What is in a file, and `file` is what messages call it; the paths of its meshes lead from the folder."""
 
     file: str
     folder: Path
-    robot: Robot = Robot(name="", links=(), joints=())
+    robot: Robot = Robot(name="", links=(), joints=())  # joints that no table has are fixed in it
+    # Joints that mimic another, by name, and how; the name of the leader is empty where it is missing.
     followers: dict[str, Follower] = field(default_factory=dict)
-    loose: dict[str, str] = field(default_factory=dict)
-    rounded: list[Rounded] = field(default_factory=list)
+    loose: dict[str, str] = field(default_factory=dict)  # joints that no table has, with their types
+    rounded: list[Rounded] = field(default_factory=list)  # numbers that were meant to be parts of π
+    # The robot with these numbers as they were meant. Where that is asked for, it is `robot`, and this the written one.
     repaired: Robot | None = None
-    notices: list[Problem] = field(default_factory=list)
-    left_out: list[Problem] = field(default_factory=list)
-    doubly: set[str] = field(default_factory=set)
-    faulty: dict[str, Unread] = field(default_factory=dict)
+    notices: list[Problem] = field(default_factory=list)  # what to know about how the file was read
+    left_out: list[Problem] = field(default_factory=list)  # what neither the robot nor a table has a place for
+    doubly: set[str] = field(default_factory=set)  # links that are held besides the joints, which closes a loop
+    faulty: dict[str, Unread] = field(default_factory=dict)  # joints that could not be read, by name
 
     def take(self, model: Model) -> Robot:
         """The robot of a model, what it lacks besides, and notices of what could not be read."""
@@ -93,9 +81,6 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
         path: the file.
         expansion: of a xacro, the values of its arguments and the packages that it may read.
         colours: whether the robot of a URDF or xacro has the materials of the file; a table has no place for them.
-
-    Raises:
-        TableError: it cannot be read or expanded, or does not describe a robot.
     """
     content, file = read_bytes(path, TableError, limit=LARGEST), str(path)
     found = Description(file=file, folder=path.absolute().parent)
@@ -117,6 +102,13 @@ def describe(form: str, path: Path, expansion: Expansion | None = None, *, colou
         problems = getattr(error, "problems", None) or (say("record-refused", reason=error),)
         raise TableError(problem.about(mark=Mark(file=file)) for problem in problems) from error
     return found
+
+
+def chain_description(path: Path, name: str, joints: Sequence[Joint], notices: Iterable[Problem] = ()) -> Description:
+    """The description of a chain of joints, of a file that has no more."""
+    links = [Link(name=name) for name in (joints[0].parent, *(joint.child for joint in joints))]
+    robot = Robot(name=name, links=tuple(links), joints=tuple(joints))
+    return Description(file=str(path), folder=path.absolute().parent, robot=robot, notices=[*notices])
 
 
 def foreign_robot(form: str, path: Path, expansion: Expansion | None = None) -> ForeignRobot:
@@ -149,7 +141,10 @@ def _left_out(form: str, root: etree._Element, file: str) -> list[Problem]:
     for path, words in _LEFT_OUT[form].items():
         for hit in cast("list[Any]", root.xpath(path)):
             element, name = (hit, hit.tag) if isinstance(hit, etree._Element) else (hit.getparent(), hit.attrname)  # noqa: SLF001
-            found.append(Unread(words.format(name=_prefixed(name, element)), mark_of(element, file)))
+            space, _, local = name.rpartition("}")
+            prefix = next((prefix for prefix, address in element.nsmap.items() if address == space[1:]), None)
+            as_written = f"{prefix}:{local}" if prefix else local
+            found.append(Unread(words.format(name=as_written), mark_of(element, file)))
     return _notices(found)
 
 
@@ -226,13 +221,6 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
     return found.take(urdf_reader.model_of(root, file))
 
 
-def _prefixed(name: str, element: etree._Element) -> str:
-    """A name as the file writes it."""
-    space, _, local = name.rpartition("}")
-    prefix = next((prefix for prefix, address in element.nsmap.items() if address == space[1:]), None)
-    return f"{prefix}:{local}" if prefix else local
-
-
 # --- SDF --------------------------------------------------------------------------------------------------------------
 
 
@@ -265,19 +253,17 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
     for joint in root.iterfind("equality/joint"):
         if elements.is_active(joint):
             found.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
-    found.left_out += [*_left_out("mjcf", root, file), *_notices(_springs(elements))]
+    springs = []
+    for joint in root.iterfind("worldbody//joint"):
+        given = elements.attributes(joint)
+        if "springdamper" in given or given.get("stiffness", "0").strip(" 0."):
+            springs.append(Unread("the spring of a joint", elements.mark(joint)))
+    found.left_out += [*_left_out("mjcf", root, file), *_notices(springs)]
     efforts, joints = _efforts(elements), list(robot.joints)
     for place, one in enumerate(joints):
         if one.name in efforts and one.limits.effort is None:
             joints[place] = replace(one, limits=replace(one.limits, effort=efforts[one.name]))
     return replace(robot, joints=tuple(joints))
-
-
-def _springs(elements: Elements) -> Iterator[Unread]:
-    for joint in elements.root.iterfind("worldbody//joint"):
-        given = elements.attributes(joint)
-        if "springdamper" in given or given.get("stiffness", "0").strip(" 0."):
-            yield Unread("the spring of a joint", elements.mark(joint))
 
 
 def _efforts(elements: Elements) -> dict[str, float]:

@@ -11,21 +11,22 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.documents import load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.robot import Joint, Origin
 from dh2urdf.rotations import Z_AXIS
 from dh2urdf.source import Messages, did_you_mean
-from dh2urdf_plugins.descriptions.description import Description
+from dh2urdf_plugins.descriptions.description import chain_description
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.documents import Node
+    from dh2urdf_plugins.descriptions.description import Description
 
 say = Messages(__file__)
 
@@ -34,25 +35,15 @@ _LARGEST = 1000.0
 
 
 class OriginFile(NamedTuple):
-    """How a maker writes such a file.
+    """How a maker writes such a file."""
 
-    Attributes:
-        base: the link before the first joint.
-        entries: the joints, and the links behind them, by the names of their entries, from the base outwards.
-        last: the last joint and its link, which are fixed; an entry of its own where `entries` has the joint too.
-        above: the keys from the file to the mapping of the entries.
-        inside: the keys from an entry to the mapping of its numbers.
-        others: what the mapping of the entries may hold besides, and nobody needs.
-        suffix: what the name of such a file ends with, besides the name of the arm.
-    """
-
-    base: str
-    entries: dict[str, list[str]]
-    last: list[str]
-    above: Sequence[str] = ()
-    inside: Sequence[str] = ()
-    others: Sequence[str] = ()
-    suffix: str = ""
+    base: str  # the link before the first joint
+    entries: dict[str, list[str]]  # from the base outwards, the joints and the links behind them, by their entries
+    last: list[str]  # the last joint and its link, which are fixed; `entries` has it where the file does
+    above: Sequence[str] = ()  # the keys from the file to the mapping of the entries
+    inside: Sequence[str] = ()  # the keys from an entry to the mapping of its numbers
+    others: Sequence[str] = ()  # what the mapping of the entries may hold besides, and nobody needs
+    suffix: str = ""  # what the name of such a file ends with, besides the name of the arm
 
 
 MAKERS = {
@@ -63,11 +54,7 @@ MAKERS = {
 
 
 def origins_description(path: Path, maker: str) -> Description:
-    """The description of a chain of origins, as a maker writes it.
-
-    Raises:
-        TableError: the file cannot be read, or lacks an entry or a number.
-    """
+    """The description of a chain of origins, as a maker writes it."""
     form = MAKERS[maker]
     node, place = load_yaml(read_bytes(path, TableError, limit=LARGEST), str(path), TableError), ""
     for key in form.above:
@@ -77,7 +64,13 @@ def origins_description(path: Path, maker: str) -> Description:
         inner, where = entry, _below(place, name)
         for key in form.inside:
             inner, where = _entries(inner, (key,), where)[key], _below(where, key)
-        numbers = [_number(found, _below(where, key)) for key, found in _entries(inner, NUMBERS, where).items()]
+        numbers = []
+        for key, found in _entries(inner, NUMBERS, where).items():
+            value = found.value
+            if not isinstance(value, (int, float)) or isinstance(value, bool) or not abs(value) <= _LARGEST:
+                about: dict[str, Any] = {"found": found.text, "kind": found.describe(), "most": _LARGEST}
+                raise TableError(say("origin-no-number", found.mark, field=_below(where, key), **about))
+            numbers.append(float(value))
         x, y, z, roll, pitch, yaw = numbers
         placed.append((form.entries[name], Origin(xyz=(x, y, z), rpy=(roll, pitch, yaw))))
     placed += [] if form.last in form.entries.values() else [(form.last, Origin())]
@@ -93,29 +86,15 @@ def origins_description(path: Path, maker: str) -> Description:
         )
         for parent, ((name, link), origin) in zip(links, placed, strict=False)
     ]
-    name = path.stem.removesuffix(form.suffix)
-    robot = Robot(name=name, links=tuple(Link(name=link) for link in links), joints=tuple(joints))
-    return Description(file=str(path), folder=path.absolute().parent, robot=robot)
+    return chain_description(path, path.stem.removesuffix(form.suffix), joints)
 
 
 def _below(place: str, key: str) -> str:
     return f"{place}.{key}" if place else key
 
 
-def _number(node: Node, place: str) -> float:
-    value = node.value
-    if not isinstance(value, (int, float)) or isinstance(value, bool) or not abs(value) <= _LARGEST:
-        kind = node.describe()
-        raise TableError(say("origin-no-number", node.mark, field=place, found=node.text, kind=kind, most=_LARGEST))
-    return float(value)
-
-
 def _entries(node: Node, wanted: Sequence[str], place: str, others: Sequence[str] = ()) -> dict[str, Node]:
-    """The entries of a mapping, in the order in which they are wanted.
-
-    Raises:
-        TableError: one is missing, or there is another.
-    """
+    """The entries of a mapping, in the order in which they are wanted."""
     field = place or None
     if not isinstance(node.value, dict):
         what, kind = place or "the file", node.describe()

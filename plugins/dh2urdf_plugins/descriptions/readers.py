@@ -114,17 +114,10 @@ def _leaves(form: str, path: Path, options: DescriptionOptions) -> Mapping[str, 
 
 
 def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of a file.
-
-    Yields:
-        A manipulator for each tip link that is asked for, or why there is none.
-
-    Raises:
-        TableError: the file cannot be read, or which chain is meant is not said.
-    """
+    """The manipulators of a file, one for each tip link that is asked for, or why there is none."""
     from dh2urdf.manipulator import Convention
     from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
-    from dh2urdf_plugins.descriptions.arms import Asked, manipulator_of
+    from dh2urdf_plugins.descriptions.arms import manipulator_of
     from dh2urdf_plugins.descriptions.trees import Tree
     from dh2urdf_plugins.extraction.solving import Choices
 
@@ -141,23 +134,19 @@ def _arms(form: str, path: Path, options: DescriptionOptions) -> Iterator[Manipu
     tree = Tree(description, options.base_link)
     tips = tree.tips(options.tip_link)
     name = description.robot.name.strip() or path.stem
-    asked = Asked(
-        choices=Choices(
-            convention=Convention(options.convention),
-            tolerance=options.tolerance,
-            near_parallel=options.near_parallel,
-            origins=options.origins,
-        ),
-        name=name,
-        find=mesh_finder(description.folder, packages),
-        repair=repair,
+    choices = Choices(
+        convention=Convention(options.convention),
+        tolerance=options.tolerance,
+        near_parallel=options.near_parallel,
+        origins=options.origins,
     )
+    find = mesh_finder(description.folder, packages)
     for tip in tips:
-        each = asked if len(tips) == 1 else asked._replace(name=f"{name}_{tip}")
+        own = name if len(tips) == 1 else f"{name}_{tip}"
         try:
-            yield manipulator_of(tree, tip, each)
+            yield manipulator_of(tree, tip, own, choices, find, repair=repair)
         except TableError as error:
-            yield Rejected(name=each.name, problems=error.problems, mark=Mark(file=str(path)))
+            yield Rejected(name=own, problems=error.problems, mark=Mark(file=str(path)))
 
 
 def _reader(

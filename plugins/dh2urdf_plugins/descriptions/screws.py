@@ -20,12 +20,12 @@ from dh2urdf.documents import Item, load_yaml, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import ROOT, TOOL, JointType
 from dh2urdf.quantities import Dimension
-from dh2urdf.robot import Joint, Link, Origin, Robot
+from dh2urdf.robot import Joint, Origin
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Vec3, add, cross, dot, norm, scale, subtract
 from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
-from dh2urdf_plugins.descriptions.description import Description
+from dh2urdf_plugins.descriptions.description import chain_description
 from dh2urdf_plugins.formats.xml_files import LARGEST
 from dh2urdf_plugins.readers.sources.documents import read_table
 from dh2urdf_plugins.readers.statements.statements import Statements
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
+    from dh2urdf_plugins.descriptions.description import Description
 
 say = Messages(__file__)
 
@@ -56,29 +57,17 @@ _SCREW, _DIRECTION = 6, 3
 
 
 class Axes(NamedTuple):
-    """The axes of an arm at q = 0, all in one frame F.
+    """The axes of an arm at q = 0, all in one frame F."""
 
-    Attributes:
-        directions: of each joint, in F.
-        slides: whether each joint slides.
-        places: a point on each axis, in F [m].
-        before: F in the frame of the base.
-        behind: the tip in F.
-    """
-
-    directions: list[Vec3]
-    slides: list[bool]
-    places: list[Vec3]
-    before: RigidTransform
-    behind: RigidTransform
+    directions: list[Vec3]  # of each joint, in F
+    slides: list[bool]  # whether each joint slides
+    places: list[Vec3]  # a point on each axis, in F [m]
+    before: RigidTransform  # F in the frame of the base
+    behind: RigidTransform  # the tip in F
 
 
 def screws_description(path: Path) -> Description:
-    """The description of a file of screw axes.
-
-    Raises:
-        TableError: the file cannot be read, or its axes are none of an arm.
-    """
+    """The description of a file of screw axes."""
     root = load_yaml(read_bytes(path, TableError, limit=LARGEST), str(path), TableError)
     file = _File(root)
     axes = file.axes()
@@ -86,7 +75,7 @@ def screws_description(path: Path) -> Description:
     start = RigidTransform(axes.before.rotation, (axes.before @ _shift(axes.places[0])).translation)
     origins = [start, *(_shift(subtract(there, here)) for here, there in pairwise(axes.places))]
     tip = RigidTransform(axes.behind.rotation, subtract(axes.behind.translation, axes.places[-1]))
-    links = [ROOT, *(row.link for row in arm.rows), TOOL]
+    parents = [ROOT, *(row.link for row in arm.rows)]
     joints = [
         Joint(
             name=row.joint,
@@ -99,12 +88,11 @@ def screws_description(path: Path) -> Description:
             mark=row.mark,
             **{name: getattr(row, name) for name in DYNAMICS},
         )
-        for parent, row, origin, direction in zip(links, arm.rows, origins, axes.directions, strict=False)
+        for parent, row, origin, direction in zip(parents, arm.rows, origins, axes.directions, strict=False)
     ]
-    fixed = Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=links[-2], child=TOOL, origin=Origin.of(tip))
+    fixed = Joint(name=f"{TOOL}_joint", type=JointType.FIXED, parent=parents[-1], child=TOOL, origin=Origin.of(tip))
     notices = [problem.about(mark=root.mark) for problem in (*file.problems, *arm.notices)]
-    robot = Robot(name=arm.name, links=tuple(Link(name=link) for link in links), joints=(*joints, fixed))
-    return Description(file=str(path), folder=path.absolute().parent, robot=robot, notices=notices)
+    return chain_description(path, arm.name, [*joints, fixed], notices)
 
 
 def _shift(by: Vec3) -> RigidTransform:
@@ -167,19 +155,17 @@ class _File:
             place = places[-1] if places else ZERO
             if turns:
                 square = norm(omega) ** 2
-                self._check_pitch(form, number, columns[number - 1][0], dot(omega, v) / square, size)
+                # Only a thread has a pitch [m/rad], but for what missing digits leave of it.
+                node, pitch = columns[number - 1][0], dot(omega, v) / square
+                if abs(pitch) > NEARLY_ORTHONORMAL * size:
+                    self._refuse(node, form, "screw-of-thread", number=number, pitch=pitch)
+                if abs(pitch) > ORTHONORMAL * size:
+                    self.problems.append(say("pitch-left-out", node.mark, field=form, number=number, pitch=pitch))
                 place = scale(1.0 / square, cross(omega, v))
             places.append(place)
         before, behind = (IDENTITY, pose) if form == "Slist" else (pose, IDENTITY)
         directions = [omega if turns else v for omega, v, turns in screws]
         return Axes(directions, [not turns for *_, turns in screws], places, before, behind)
-
-    def _check_pitch(self, form: str, number: int, node: Node, pitch: float, size: float) -> None:
-        """Refuses a thread; what missing digits leave of a pitch [m/rad] is left out, with a notice."""
-        if abs(pitch) > NEARLY_ORTHONORMAL * size:
-            self._refuse(node, form, "screw-of-thread", number=number, pitch=pitch)
-        if abs(pitch) > ORTHONORMAL * size:
-            self.problems.append(say("pitch-left-out", node.mark, field=form, number=number, pitch=pitch))
 
     def _check_unit(self, form: str, number: int, node: Node, direction: Vec3, accepted: str) -> None:
         """Refuses a direction whose length is not 1 to four digits."""
@@ -201,7 +187,8 @@ class _File:
         self._check()
         for number, (column, direction) in enumerate(zip(columns, directions, strict=True), start=1):
             self._check_unit("H", number, column[0], direction, "a direction of length 1")
-        words = [joint.value.get("type") if isinstance(joint.value, dict) else None for joint in self._joints()]
+        named = _items(self.entries.get("joints"))
+        words = [joint.value.get("type") if isinstance(joint.value, dict) else None for joint in named]
         slides = [word is not None and joint_type(word.text or "") is JointType.PRISMATIC for word in words]
         slides = [*slides, *[False] * len(directions)][: len(directions)]
         return Axes(directions, slides, places, IDENTITY, RigidTransform(turned.rotation, tip))
@@ -240,13 +227,10 @@ class _File:
 
     # --- Joints -------------------------------------------------------------------------------------------------------
 
-    def _joints(self) -> list[Node]:
-        return _items(self.entries.get("joints"))
-
     def arm(self, default_name: str, slides: Sequence[bool]) -> Manipulator:
         """A table with the arm's name, and a row for each joint whose numbers mean nothing."""
         node = self.entries.get("joints")
-        joints = [replace(self.root, value={}) for _ in slides] if node is None else self._joints()
+        joints = [replace(self.root, value={}) for _ in slides] if node is None else _items(node)
         if node is not None and len(joints) != len(slides):
             found = f"a list of {len(joints)}" if joints else node.describe()
             self._refuse(node, "joints", "joints-not-axes", what=found, count=len(slides), keys=KEYS)

@@ -26,31 +26,20 @@ _SHOWN = 10
 
 
 class Tree:
-    """The links and joints of a description by name.
-
-    Attributes:
-        description: the description.
-        above: by link, the joint that holds it; of several the first.
-        below: by link, the joints that it holds.
-        doubly: links that several joints hold, or a joint and a constraint, which closes a loop.
-        base: the base link.
-    """
+    """The links and joints of a description by name."""
 
     def __init__(self, description: Description, base_link: str | None) -> None:
-        """Take the tree of a description, from a base link or from its root.
-
-        Raises:
-            TableError: there is no such link, or no root, or several.
-        """
+        """Take the tree of a description, from a base link or from its root."""
         self.description, self.robot = description, description.robot
-        self.above: dict[str, Joint] = {}
-        self.below: dict[str, list[Joint]] = {}
-        self.doubly = set(description.doubly)
+        self._above: dict[str, Joint] = {}  # by link, the joint that holds it; of several the first
+        self._below: dict[str, list[Joint]] = {}  # by link, the joints that it holds
+        # Links that several joints hold, or a joint and a constraint, which closes a loop.
+        self._doubly = set(description.doubly)
         for joint in self.robot.joints:
-            if joint.child in self.above:
-                self.doubly.add(joint.child)
-            self.above.setdefault(joint.child, joint)
-            self.below.setdefault(joint.parent, []).append(joint)
+            if joint.child in self._above:
+                self._doubly.add(joint.child)
+            self._above.setdefault(joint.child, joint)
+            self._below.setdefault(joint.parent, []).append(joint)
         # The links, those included that only joints name: `world` is there without a word for some.
         links, parents = (link.name for link in self.robot.links), (joint.parent for joint in self.robot.joints)
         self._names = list(dict.fromkeys((*links, *parents)))
@@ -63,7 +52,7 @@ class Tree:
         return name
 
     def _root(self) -> str:
-        roots = [name for name in self._names if name not in self.above]
+        roots = [name for name in self._names if name not in self._above]
         if len(roots) == 1:
             return roots[0]
         if not self.robot.links:
@@ -71,7 +60,7 @@ class Tree:
         few = listed([shown(root) for root in roots], _SHOWN)
         raise self._error("several-roots" if roots else "no-root", "base_link", count=len(roots), links=few)
 
-    def reached(self) -> dict[str, int]:
+    def _reached(self) -> dict[str, int]:
         """The links below the base link, itself included, each with the moving joints before it."""
         moving = {self.base: 0}
         for joint in self.walk():
@@ -82,7 +71,7 @@ class Tree:
         """The joints below the base link, each behind those that hold it; what some joints hold may be left out."""
         met, ahead = {self.base}, [self.base]
         while ahead:
-            for joint in self.below.get(ahead.pop(), ()):
+            for joint in self._below.get(ahead.pop(), ()):
                 if joint.child not in met and joint.name not in without:
                     met.add(joint.child)
                     ahead.append(joint.child)
@@ -90,18 +79,14 @@ class Tree:
 
     def leaves(self) -> dict[str, int]:
         """The links that hold nothing, in the order of the file, each with the moving joints before it."""
-        reached, names = self.reached(), [link.name for link in self.robot.links]
-        return {name: reached[name] for name in names if name in reached and not self.below.get(name)}
+        reached, names = self._reached(), [link.name for link in self.robot.links]
+        return {name: reached[name] for name in names if name in reached and not self._below.get(name)}
 
     def tips(self, tip_link: str | None) -> list[str]:
-        """The tip links that are meant: one by its name, by a usual name, or as the only leaf; or every leaf.
-
-        Raises:
-            TableError: there is no such link, or which of several leaves is meant is not said.
-        """
+        """The tip links that are meant: one by its name, by a usual name, or as the only leaf; or every leaf."""
         if tip_link and tip_link != EVERY:
             return [self._link(tip_link, "tip_link")]
-        moved = {name: count for name, count in self.reached().items() if count}
+        moved = {name: count for name, count in self._reached().items() if count}
         usual = [] if tip_link else usual_tips(moved)
         if len(usual) == 1:
             return usual
@@ -114,18 +99,14 @@ class Tree:
         return list(leaves or self.leaves())
 
     def chain(self, tip: str) -> tuple[Joint, ...]:
-        """The joints from the base link to a tip link.
-
-        Raises:
-            TableError: there is no way, or a joint on it has no place in a table.
-        """
+        """The joints from the base link to a tip link."""
         joints: list[Joint] = []
         link = tip
         while link != self.base:
-            joint = self.above.get(link)
+            joint = self._above.get(link)
             if joint is None or len(joints) > len(self.robot.joints):
                 raise self._error("no-way", "tip_link", base=self.base, tip=tip)
-            if link in self.doubly:
+            if link in self._doubly:
                 holders = "several joints or constraints" if link in self.description.doubly else "several joints"
                 raise self._error("chain-in-loop", "tip_link", holders=holders, link=link)
             joints.insert(0, joint)

@@ -128,23 +128,16 @@ def between_decimals(tolerance: float) -> float:
 class LinkScrews(NamedTuple):
     """A rigid transform as Z(φ, b)·S(a, α)·Z(ψ, e).
 
-    Attributes:
-        phi: turn about the first z [rad]. Of axes on one line, only φ + cψ is fixed: it is all here.
-        b: shift along the first z [m]. Of parallel axes, only b + c·e is fixed: it is all here.
-        a: shift along x [m].
-        alpha: turn about x [rad].
-        psi: turn about the second z [rad].
-        e: shift along the second z [m].
-        parallel: c: 1 where the axes are parallel, −1 where they are antiparallel, 0 otherwise.
+    Of axes on one line only φ + cψ is fixed, which is all in φ; of parallel axes only b + c·e, which is all in b.
     """
 
-    phi: float
-    b: float
-    a: float
-    alpha: float
-    psi: float
-    e: float
-    parallel: int
+    phi: float  # turn about the first z [rad]
+    b: float  # shift along the first z [m]
+    a: float  # shift along x [m]
+    alpha: float  # turn about x [rad]
+    psi: float  # turn about the second z [rad]
+    e: float  # shift along the second z [m]
+    parallel: int  # c: 1 where the axes are parallel, −1 where they are antiparallel, 0 otherwise
 
     @property
     def is_collinear(self) -> bool:

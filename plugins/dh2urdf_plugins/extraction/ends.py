@@ -40,13 +40,7 @@ _ROUNDING = 4e-16
 
 
 def place_sliding_axes(chain: Chain, precision: Precision, arm_length: float) -> Chain:
-    """The chain with the axis of each prismatic joint where most lengths of its rows are zero.
-
-    Args:
-        chain: the chain as the file has it.
-        precision: what counts as zero.
-        arm_length: the arm's length [m].
-    """
+    """The chain of a file with the axis of each prismatic joint where most lengths [m] of its rows are zero."""
     for number, axis in enumerate(chain.axes):
         if axis.type is JointType.PRISMATIC:
             best, most = chain, -1
@@ -130,36 +124,21 @@ def _zeros(chain: Chain, number: int, precision: Precision, arm_length: float) -
 
 
 class Base(NamedTuple):
-    """A way to share the first link between base and first row.
-
-    Attributes:
-        transform: the base transform.
-        turn: ψ: what θ of the first group of axes takes [rad], or the base itself where it is turned.
-        shift: e: what d of the first run of axes takes [m].
-        row: a and α of a first row of the modified convention.
-        is_turned: whether the base is turned about the first axis, so that θ of the first group is 0.
-    """
+    """A way to share the first link between base and first row."""
 
     transform: RigidTransform
-    turn: float
-    shift: float
-    row: tuple[float, float] = (0.0, 0.0)
-    is_turned: bool = False
+    turn: float  # ψ: what θ of the first group of axes takes [rad], or the base itself where it is turned
+    shift: float  # e: what d of the first run of axes takes [m]
+    row: tuple[float, float] = (0.0, 0.0)  # a and α of a first row of the modified convention
+    is_turned: bool = False  # whether the base is turned about the first axis, so that θ of the first group is 0
 
 
 class Tip(NamedTuple):
-    """How the last link is shared between last row and tool.
+    """How the last link is shared between last row and tool, which is the rest; without one it is the identity."""
 
-    Attributes:
-        turn: φ: what θ of the last group of axes takes [rad]; None where the tool takes all of it.
-        shift: b: what d of the last run takes [m].
-        row: a and α of the last row of the standard convention.
-        has_tool: whether there is a tool: the rest, whatever it is. Without one it is the identity.
-    """
-
-    turn: float | None
-    shift: float
-    row: tuple[float, float] = (0.0, 0.0)
+    turn: float | None  # φ: what θ of the last group of axes takes [rad]; None where the tool takes all of it
+    shift: float  # b: what d of the last run takes [m]
+    row: tuple[float, float] = (0.0, 0.0)  # a and α of the last row of the standard convention
     has_tool: bool = False
 
 
@@ -216,9 +195,8 @@ def tip(link: RigidTransform, convention: Convention, precision: Precision, arm_
         return Tip(screws.phi, height)
     psi = precision.angle_of(screws.psi)
     is_near = abs(screws.e) <= precision.length and abs(screws.b) <= STEEPEST * arm_length
-    if (
-        convention is Convention.STANDARD and psi in (0.0, math.pi) and is_near
-    ):  # a last row makes the tool the identity
+    if convention is Convention.STANDARD and psi in (0.0, math.pi) and is_near:
+        # A last row makes the tool the identity.
         screws = screws.flipped if psi else screws
         return Tip(screws.phi, screws.b, (screws.a, screws.alpha))
     return Tip(screws.phi + screws.parallel * screws.psi if screws.parallel else None, height, has_tool=True)

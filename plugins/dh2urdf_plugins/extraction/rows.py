@@ -54,14 +54,9 @@ class ChainRows(NamedTuple):
 def rows_of(
     chain: Chain, convention: Convention, precision: Precision, arm_length: float, *, origins: str
 ) -> ChainRows:
-    """The rows of a chain.
+    """The rows of a chain, its sliding axes in their places, nearly parallel links split where they have to be.
 
-    Args:
-        chain: the chain, its sliding axes in their places, nearly parallel links split where they have to be.
-        convention: of the rows.
-        precision: what counts as zero, and how far numbers may be from what was computed.
-        arm_length: the arm's length [m].
-        origins: ``file`` where each d of parallel axes is to be as the file's origins have it, else ``fewest``.
+    Origins are ``file`` where each d [m] of parallel axes is to be as the file's origins have it, else ``fewest``.
     """
     links = [decompose(link, precision) for link in chain.links[1:-1]]
     last = tip(chain.links[-1], convention, precision, arm_length)
@@ -141,21 +136,13 @@ def _heights(
 
 
 class _Group(NamedTuple):
-    """Axes on one line, which have one turn to give away.
+    """Axes on one line, which have one turn to give away."""
 
-    Attributes:
-        last: number of the last axis.
-        taker: the axis whose θ is the turn.
-        inner: what the links between them turn, seen along the first axis [rad].
-        direction: 1 where the taker points as the first axis does, else −1.
-        last_direction: the same of the last axis.
-    """
-
-    last: int
-    taker: int
-    inner: float
-    direction: int
-    last_direction: int
+    last: int  # number of the last axis
+    taker: int  # the axis whose θ is the turn
+    inner: float  # what the links between them turn, seen along the first axis [rad]
+    direction: int  # 1 where the taker points as the first axis does, else −1
+    last_direction: int  # the same of the last axis
 
 
 def _groups(chain: Chain, links: Sequence[LinkScrews]) -> Iterator[_Group]:

@@ -20,7 +20,7 @@ from dh2urdf_plugins.extraction.rows import rows_of
 from dh2urdf_plugins.extraction.splitting import NearlyParallel, split_links
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.kinematics import CompiledChain
     from dh2urdf.robot import Joint
@@ -32,35 +32,21 @@ _ATTEMPTS = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Choices:
-    """What is left to the person who asks for a table.
-
-    Attributes:
-        convention: of the rows.
-        tolerance: how far the tip of the table may be from the file's [m, rad].
-        near_parallel: ``auto``, ``dh`` (one row, however large its d) or ``split`` (a fixed row).
-        origins: ``fewest`` (one d for a run of parallel axes) or ``file`` (each d as the file's origins have it).
-    """
+    """What is left to the person who asks for a table."""
 
     convention: Convention = Convention.STANDARD
-    tolerance: float = TOLERANCE
-    near_parallel: str = "auto"
-    origins: str = "fewest"
+    tolerance: float = TOLERANCE  # how far the tip of the table may be from the file's [m, rad]
+    near_parallel: str = "auto"  # dh: one row, however large its d; split: a fixed row
+    origins: str = "fewest"  # one d for a run of parallel axes; file: each d as the file's origins have it
 
 
 class Solution(NamedTuple):
-    """The table of a chain, without what is not kinematics.
+    """The table of a chain, without what is not kinematics."""
 
-    Attributes:
-        table: rows with the names of their joints; a fixed row has that of the joint before it, with ``_split``.
-        difference: how far its tip is from the chain's at most [m, rad].
-        length: the arm's length [m].
-        nearly_parallel: the neighbours whose axes are nearly parallel, and far enough for it to be noticed.
-    """
-
-    table: Manipulator
-    difference: tuple[float, float]
-    length: float
-    nearly_parallel: tuple[NearlyParallel, ...]
+    table: Manipulator  # with the names of the joints; a fixed row has that of the joint before it, with `_split`
+    difference: tuple[float, float]  # how far its tip is from the chain's at most [m, rad]
+    length: float  # of the arm [m]
+    nearly_parallel: tuple[NearlyParallel, ...]  # neighbours whose common normal is far enough for it to be noticed
 
     @property
     def error(self) -> float:
@@ -72,11 +58,8 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
     """The table of a chain.
 
     Numbers begin with a quarter of the tolerance each. Where that is too much for all of them together, they become
-    finer, until the table is measured to be nearer than half the tolerance, or as near as doubles get.
-
-    Args:
-        joints: the joints from the base link to the tip link, fixed ones among them; at least one moves.
-        choices: what is left to choose.
+    finer, until the table is measured to be nearer than half the tolerance, or as near as doubles get. At least one of
+    the joints moves.
     """
     given = Chain.of(joints)
     length = given.length
@@ -91,13 +74,8 @@ def solve(joints: Sequence[Joint], choices: Choices) -> Solution:
             DHRow(joint=name, link=name, type=axis.type, **row._asdict())
             for name, axis, row in zip(names, chain.axes, numbers.rows, strict=True)
         ]
-        table = Manipulator(
-            name="extracted",
-            convention=choices.convention,
-            rows=tuple(rows),
-            base=numbers.base,
-            tool=numbers.tool,
-        )
+        base, tool = numbers.base, numbers.tool
+        table = Manipulator(name="extracted", convention=choices.convention, rows=tuple(rows), base=base, tool=tool)
         difference = _difference(table_chain(table), KinematicChain.of(joints).compiled, joints)
         found.append(Solution(table, difference, length, nearly_parallel))
         precision = precision.finer()
@@ -111,12 +89,6 @@ def chain_difference(one: Sequence[Joint], other: Sequence[Joint]) -> tuple[floa
 
 def _difference(one: CompiledChain, other: CompiledChain, joints: Sequence[Joint]) -> tuple[float, float]:
     moving = [each for each in joints if each.type is not JointType.FIXED]
-    position, angle, _ = largest_errors(one, other, _joint_vectors(moving))
-    return position, angle
-
-
-def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:
-    yield (0.0,) * len(moving)
     ranges = []
     for joint in moving:
         widest = 1.0 if joint.type is JointType.PRISMATIC else math.pi
@@ -125,5 +97,7 @@ def _joint_vectors(moving: Sequence[Joint]) -> Iterator[tuple[float, ...]]:
             lower, upper = -widest, widest
         ranges.append((max(lower, -2 * widest), min(upper, 2 * widest)))
     draw = random.Random(f"dh2urdf {len(moving)}")  # noqa: S311 - reproducible on purpose
-    for _ in range(RANDOM_VECTORS):
-        yield tuple([lower + (upper - lower) * draw.random() for lower, upper in ranges])
+    vectors = [(0.0,) * len(moving)]
+    vectors += [tuple([a + (b - a) * draw.random() for a, b in ranges]) for _ in range(RANDOM_VECTORS)]
+    position, angle, _ = largest_errors(one, other, vectors)
+    return position, angle

@@ -40,21 +40,13 @@ LARGEST = 1e-9
 
 
 class NearlyParallel(NamedTuple):
-    """Two neighbours whose axes are nearly parallel.
-
-    Attributes:
-        first: name of the first joint.
-        second: name of the second joint.
-        angle: the angle between their axes, or between one and the other's opposite [rad].
-        far: how far away the common normal is, along the axis where it is further [m].
-        split: whether a fixed row is between them.
-    """
+    """Two neighbours, by the names of their joints, whose axes are nearly parallel."""
 
     first: str
     second: str
-    angle: float
-    far: float
-    split: bool
+    angle: float  # between their axes, or between one and the other's opposite [rad]
+    far: float  # how far away the common normal is, along the axis where it is further [m]
+    split: bool  # whether a fixed row is between them
 
     def notice(self) -> Problem:
         """What was done about them."""
@@ -68,12 +60,8 @@ def split_links(
 ) -> tuple[Chain, tuple[NearlyParallel, ...]]:
     """The chain with a fixed axis wherever a link has to be split, and all neighbours that are nearly parallel.
 
-    Args:
-        chain: the chain, its sliding axes in their places.
-        precision: what counts as parallel.
-        arm_length: the arm's length [m].
-        tolerance: how far the tip may be from the file's [m].
-        near_parallel: ``auto``, ``dh`` (never split) or ``split``.
+    The sliding axes are in their places; the tip may be as far from the file's as the tolerance, lengths are in m, and
+    nearly parallel axes are split (``split``) or not (``dh``), or where the table would lose digits (``auto``).
     """
     axes, links = [chain.axes[0]], [chain.links[0]]
     found: list[NearlyParallel] = []
@@ -134,9 +122,6 @@ def in_convention(manipulator: Manipulator, convention: Convention) -> Manipulat
     """The same arm with other rows: those that a person would write in a convention.
 
     Joint values, directions, limits and bodies mean the same; signs and offsets are in the turns of the rows.
-
-    Raises:
-        TableError: no such table is within a nanometre of the given one.
     """
     given = _chain(manipulator)
     length = given.length

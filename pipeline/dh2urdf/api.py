@@ -58,7 +58,7 @@ def read(table: Source, *, robot: str | None = None, reader: str | None = None, 
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    arm = read_table(table, robot, reader, options, _mark("read"))
+    arm = read_table(table, robot, reader, options, Mark(file="dh2urdf.read()"))
     warn_of(arm.notices)
     return arm
 
@@ -80,7 +80,7 @@ def read_all(table: Source, *, reader: str | None = None, **options: object) -> 
         InputError: no installed reader takes the file.
         PluginError: the reader's plugin is broken, or something it needs is not installed.
     """
-    mark, catalog = _mark("read_all"), load()
+    mark, catalog = Mark(file="dh2urdf.read_all()"), load()
     check_arguments("name", mark, reader=reader)
     with ExitStack() as stack:
         path = stack.enter_context(as_file(table, "reader", reader, catalog, "reader=NAME"))
@@ -125,7 +125,7 @@ def extract(
     from dh2urdf.commands.extract import description_reader, the_one, write_extracted
     from dh2urdf.fields import replace_unchecked
 
-    mark, catalog = _mark("extract"), load()
+    mark, catalog = Mark(file="dh2urdf.extract()"), load()
     check_arguments("name", mark, reader=reader)
     target = path_or_none("out", out, mark)
     with as_file(description, "reader", reader, catalog, "reader=NAME") as path:
@@ -187,7 +187,7 @@ def convert(
         OutputError: the files cannot be written.
         PluginError: a plugin that is needed is broken, or something it needs is not installed.
     """
-    mark = _mark("convert")
+    mark = Mark(file="dh2urdf.convert()")
     chosen = {"reader": reader, "transform": transform, "meshes": meshes, "convert_meshes": convert_meshes}
     check_arguments("name", mark, robot=robot, **chosen)
     target = path_or_none("out", out, mark)
@@ -252,7 +252,7 @@ def check(
     from dh2urdf.commands.written import write_description
     from dh2urdf.stages import Expansion
 
-    mark = _mark("check")
+    mark = Mark(file="dh2urdf.check()")
     check_arguments("name", mark, emitter=emitter)
     folders = several("package_paths", package_paths, mark, one=(str, PathLike), kind="path")
     check_arguments("mapping", mark, arguments=arguments)
@@ -313,7 +313,7 @@ def run(
     from dh2urdf.run_file.reading import Asked
     from dh2urdf.running.run import execute, load_plan
 
-    mark, root = _mark("run"), None
+    mark, root = Mark(file="dh2urdf.run()"), None
     check_arguments("flag", mark, resume=resume, dry_run=dry_run, keep=keep)
     check_arguments("mapping", mark, settings=settings)
     output = path_or_none("out", out, mark)
@@ -327,11 +327,6 @@ def run(
     plan = load_plan(Path(config), catalog, settings_of(settings), output, root, asked=Asked(mark, "settings: "))
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
-
-
-def _mark(function: str) -> Mark:
-    """One of these functions, as the place that problems name."""
-    return Mark(file=f"dh2urdf.{function}()")
 
 
 def _catalog(without: Iterable[str], mark: Mark) -> Catalog:

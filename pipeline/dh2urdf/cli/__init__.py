@@ -10,7 +10,7 @@ import sys
 import warnings
 from importlib import import_module
 from itertools import pairwise, takewhile
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, Any
 
 import click
 
@@ -19,13 +19,9 @@ from dh2urdf.cli.shared_options import loaded, option, without_option
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.isolation.process import claim
 
-if TYPE_CHECKING:
-    from types import FrameType
-
-INTERRUPTED = 130
+INTERRUPTED, INTERNAL_ERROR = 130, 1
 SETTLED = f"{__name__}.settled"
 """The key in a context for an exit status that is sure before all is printed: no reader who leaves early changes it."""
-INTERNAL_ERROR = 1
 LAST_STREAM = 2
 
 EXIT_STATUS = (
@@ -145,7 +141,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and end the process with its exit status."""
     gc.set_threshold(100_000)  # Python's 700 search for garbage some eighty times during the imports.
     _fill_closed_streams()
-    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     claim()
     if isinstance(sys.stdout, io.TextIOWrapper):  # What a terminal's encoding lacks is escaped, in the help too.
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -169,10 +165,6 @@ def _fill_closed_streams() -> None:
         sys.stderr = os.fdopen(os.dup(LAST_STREAM), "w")
 
 
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
-
-
 def exit_status_of(words: list[str], *, debug: bool = False) -> int:
     """Call a command; the exit status that it, or what ends it, means."""
     invocation = {"debug": debug}
@@ -193,6 +185,11 @@ def exit_status_of(words: list[str], *, debug: bool = False) -> int:
 
 def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
     """Say what an error that ends a command is about; the exit status that it means."""
+    if isinstance(error, OSError) and not debug:
+        from dh2urdf.output.whole_files import is_of_the_disk, refused
+
+        if is_of_the_disk(error):
+            error = refused(error.filename or "a file", error, "write or read")
     if isinstance(error, Dh2UrdfError):
         from dh2urdf.source import printable
 
@@ -205,11 +202,6 @@ def _ended_by(error: Exception, words: list[str], *, debug: bool) -> int:
         return _failed(words, error, error.exit_status, text)
     if debug:
         raise error
-    if isinstance(error, OSError):
-        from dh2urdf.output.whole_files import is_of_the_disk, refused
-
-        if is_of_the_disk(error):
-            return _ended_by(refused(error.filename or "a file", error, "write or read"), words, debug=debug)
     text = (
         f"dh2urdf: internal error: {type(error).__name__}: {error}\n"
         "    this is a fault of dh2urdf, not of your table; `dh2urdf --debug …` shows where"

@@ -32,12 +32,7 @@ def with_added(own: Mapping[str, str], context: click.Context) -> dict[str, str]
 
 
 def check_known(own: Mapping[str, str], context: click.Context, words: Sequence[str]) -> None:
-    """Refuse a command line, from the command on, whose command neither dh2urdf nor a plugin has.
-
-    Raises:
-        click.UsageError: there is no such command.
-        StageConflictError: two plugins claim its name.
-    """
+    """Refuse a command line, from the command on, whose command neither dh2urdf nor a plugin has."""
     catalog = loaded(context, words)
     with kept_apart():
         if catalog.command(words[0]) is not None:
@@ -51,11 +46,7 @@ def check_known(own: Mapping[str, str], context: click.Context, words: Sequence[
 
 
 def imported(added: Provided) -> click.Command:
-    """The command that a plugin adds; what its code raises that is no error of dh2urdf or click is the plugin's fault.
-
-    Raises:
-        BrokenPluginError: the command cannot be imported, or is none.
-    """
+    """The command that a plugin adds; what its code raises, but for errors of dh2urdf and click, is its fault."""
     place: str = added.stage.function  # type: ignore[union-attr] # it is a command
     module, _, name = place.partition(":")
     try:

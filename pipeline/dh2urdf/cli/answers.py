@@ -23,11 +23,7 @@ _STDOUT, _STDERR = 1, 2
 
 
 def answer(what: str | bytes, *, nl: bool = True) -> None:
-    """Print what was asked for, or a part of it.
-
-    Raises:
-        OutputError: it cannot be printed.
-    """
+    """Print what was asked for, or a part of it; an OutputError where it cannot be printed."""
     try:
         click.echo(what, file=answers(), nl=nl, color=True)
     except BrokenPipeError:
@@ -37,11 +33,7 @@ def answer(what: str | bytes, *, nl: bool = True) -> None:
 
 
 def answers() -> IO[Any]:
-    """Where answers go.
-
-    Raises:
-        OutputError: a shell has closed standard output.
-    """
+    """Where answers go; an OutputError where a shell has closed standard output."""
     context = click.get_current_context(silent=True)
     if sys.stdout is None:
         raise OutputError(say("stdout-closed"))
@@ -49,10 +41,7 @@ def answers() -> IO[Any]:
 
 
 def keep_apart(context: click.Context) -> None:
-    """From here to the end of a command, what anybody else prints, from C and in programs too, is no answer.
-
-    It goes to standard error: many a library prints when it is imported.
-    """
+    """From here to the end of a command, what libraries print, from C and in programs too, goes to standard error."""
     if _OWN not in context.meta and (own := context.with_resource(kept_apart())) is not None:
         context.meta[_OWN] = own
         context.call_on_close(lambda: context.meta.pop(_OWN))

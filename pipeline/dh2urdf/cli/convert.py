@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from unicodedata import normalize
 
 import click
@@ -54,7 +54,7 @@ say = Messages(__file__)
 )
 @option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
 @table_options
-@option("--transform", "transform_name", metavar="NAME", help="Transform; the usual one.")
+@option("--transform", metavar="NAME", help="Transform; the usual one.")
 @option(
     "--edit", "edits", multiple=True, metavar="YAML", help="'payload: {mass: 2.5}', a change of the arm; repeatable."
 )
@@ -64,19 +64,15 @@ say = Messages(__file__)
 @json_option("Print what became of the tables as JSON; without -o with the description in it.")
 @quiet_option
 @without_option
-def command(  # noqa: PLR0917 - click hands everything over by name
+def command(
     tables: tuple[Path, ...],
     output: str | None,
     format_name: str | None,
     reader_name: str | None,
-    transform_name: str | None,
-    robot: str | None,
-    edits: tuple[str, ...],
-    settings: tuple[str, ...],
     *,
     as_json: bool,
     quiet: bool,
-    **flags: str | None,
+    **flags: Any,  # noqa: ANN401 - of several options
 ) -> int:
     """Turn TABLE into a robot description and prove that it is the same arm.
 
@@ -98,26 +94,14 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     target = None if output is None or output == DASH else Path(output)
     are_several = len(tables) > 1 or (target is not None and (str(output).endswith("/") or is_folder(target)))
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
+    chosen = {name: flags[name] for name in ("robot", "transform", "settings", "edits", "meshes", "convert_meshes")}
+    chosen |= {"formats": (format_name,) if format_name else (), "given": given_options(flags)}
     plans: dict[Path, partial[Conversion] | InputError] = {}
     for table, file in files.items():  # Nothing is written before a wrong word is found.
         try:
             path, reader = given_table(table, reader_name, installed)
-            plans[table] = plan_conversion(
-                path,
-                file,
-                COMMAND_LINE,
-                installed,
-                reader=reader,
-                transform=transform_name,
-                formats=(format_name,) if format_name else (),
-                robot=robot,
-                given=given_options(flags),
-                settings=settings,
-                meshes=flags["meshes"],
-                convert_meshes=flags["convert_meshes"],
-                edits=edits,
-                inputs=files_behind(tables),
-            )
+            inputs = files_behind(tables)
+            plans[table] = plan_conversion(path, file, COMMAND_LINE, installed, reader=reader, inputs=inputs, **chosen)
         except InputError as error:
             if not are_several or isinstance(error, (ConfigError, UnknownStageError)):
                 raise

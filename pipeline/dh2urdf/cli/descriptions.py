@@ -35,6 +35,7 @@ from dh2urdf.output.whole_files import refuse_inputs, write_whole
 from dh2urdf.plugin_system.calls import a_record, depending_on
 from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.quantities.units import UNITS
+from dh2urdf.report.conversions import counted
 from dh2urdf.source import Mark, Messages, printable
 from dh2urdf.stages import Annotates, Annotation, Expansion, ReadsDescriptions
 from dh2urdf.table_text.texts import table_text, transform_text
@@ -120,8 +121,8 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
     if lists_tips:
         if output is not None:
             raise ConfigError(say("tips-write-nothing", COMMAND_LINE, found=str(output)))
-        counts = [f"{name}: {_moving(count)}" for name, count in leaves_of(call(), robot).items()]
-        answer("\n".join(map(printable, counts)))
+        leaves = leaves_of(call(), robot).items()
+        answer("\n".join(printable(f"{name}: {counted(count, 'moving joint')}") for name, count in leaves))
         return 0
     if output is not None:
         chains = chains_of(call(), robot)
@@ -129,8 +130,9 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
         lost = write_extracted(chains.arms, output, installed, inputs=files_behind([robot]), **units)
         if not quiet:
             print_notices([*(notice for arm in chains.arms for notice in arm.notices), *lost])
-            told = [f"{arm.name}: {_moving(len(arm.moving_rows))}, {arm.convention} convention" for arm in chains.arms]
-            click.echo("\n".join(printable(f"{each}; written to {output}") for each in told), err=True)
+            for arm in chains.arms:
+                told = f"{arm.name}: {counted(len(arm.moving_rows), 'moving joint')}, {arm.convention} convention"
+                click.echo(printable(f"{told}; written to {output}"), err=True)
         return _print_refused([chains])
     both = [chains_of(call(each), robot) for each in ([convention] if convention else list(Convention))]
     if not quiet:
@@ -179,14 +181,7 @@ def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]
             yield f"{name}: {place}"
 
 
-def _moving(count: int) -> str:
-    return f"{count} moving joint{'' if count == 1 else 's'}"
-
-
 # --- Collisions -------------------------------------------------------------------------------------------------------
-
-
-OPTIONS = ("trials", "seed", "min_distance")
 
 
 @click.command(name="collisions", epilog=EXIT_STATUS)
@@ -233,8 +228,7 @@ def collisions(  # noqa: PLR0917 - click hands everything over by name
         check_file(file, InputError)
     installed = catalog()
     emitter, annotates = _emitter(installed, output or earlier)
-    given = {"emitter": {name: flags[name] for name in OPTIONS}}
-    (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, given, settings)["emitter"]
+    (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, {"emitter": flags}, settings)["emitter"]
     with depending_on(call, "annotate"):
         made: Annotation = a_record(annotates.annotate(robot, expansion, earlier, call.options), Annotation)
     if not quiet:

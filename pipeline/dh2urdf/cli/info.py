@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.calls import Call
-    from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.results import BriefEntry, Detail
+    from dh2urdf.results import BriefEntry
     from dh2urdf.stages import Reader, Rejected
 
 
@@ -75,11 +74,18 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     path, reader = given_table(table, reader_name, installed)
     call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings)
     arms, chosen, trace = _read(call, path, robot)
-    detail = None if chosen is None else _detail(installed, chosen, trace if call.stage.can(Traces) else None)
+    detail = None
+    if chosen is not None:  # with what the default transform makes of it
+        known = trace if call.stage.can(Traces) else None
+        try:
+            made = make_robot(chosen, default_call(installed, installed.usual("transform")))
+            detail = details(chosen, known, made)
+        except ManipulatorError as error:
+            detail = details(chosen, known, None, error.problems)
     failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
     status: Literal[0, 1] = 1 if failed else 0
-    report = info_report(str(path), arms, detail, status)
     click.get_current_context().meta[SETTLED] = status
+    report = info_report(str(path), arms, detail, status)
     if form == "json":
         from dh2urdf.conversion.outcome import to_text
 
@@ -94,11 +100,11 @@ def command(  # noqa: PLR0917 - click hands everything over by name
 def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[BriefEntry], Manipulator | None, Trace]:
     """The manipulators of a table in short, the one that is meant, and what its cells say."""
     trace = Trace()
-    arms: list[BriefEntry] = []
-    last: list[Manipulator | Rejected] = []
     if robot is not None:
         chosen = read_manipulator(call, path, robot, COMMAND_LINE, trace)
         return [brief(chosen)], chosen, trace
+    arms: list[BriefEntry] = []
+    last: list[Manipulator | Rejected] = []
     with refuse_run_file(path):
         for item in read_items(call, path, trace):
             arms.append(brief(item))
@@ -106,13 +112,3 @@ def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[
         if len(arms) > 1:
             return arms, None, trace
         return arms, chosen_manipulator(iter(last), None, str(path), COMMAND_LINE), trace
-
-
-def _detail(catalog: Catalog, manipulator: Manipulator, trace: Trace | None) -> Detail:
-    """All of a manipulator, with what the default transform makes of it."""
-    transform = default_call(catalog, catalog.usual("transform"))
-    try:
-        robot = make_robot(manipulator, transform)
-    except ManipulatorError as error:
-        return details(manipulator, trace, None, error.problems)
-    return details(manipulator, trace, robot)

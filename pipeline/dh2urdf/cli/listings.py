@@ -63,10 +63,14 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
             failed.append(error)
         stages.append({**_named(item), "summary": item.stage.summary, "options": options})
     # Plugins are asked for their stages above, and are known as broken since.
-    refused: list[tuple[BrokenPluginError, Any]] = [
-        (error, {"plugin": error.plugin, "distribution": error.distribution, "reason": error.reason})
-        for error in (*catalog.broken, *failed)
-    ]
+    broken: list[Any] = []
+    incompatible: list[Any] = []
+    for each in (*catalog.broken, *failed):
+        entry = {"plugin": each.plugin, "distribution": each.distribution, "reason": each.reason}
+        if isinstance(each, IncompatiblePluginError):
+            incompatible.append(entry)
+        else:
+            broken.append(entry | {"traceback": each.traceback})
     clashes: list[Any] = [
         {"kind": each.kind, "name": each.name, "distributions": [*each.distributions], "choices": [*each.choices]}
         for each in catalog.clashes()
@@ -82,12 +86,8 @@ def plugins_report(catalog: Catalog) -> PluginsReport:
         "stages": stages,
         "clashes": clashes,
         "shadowed": shadowed,
-        "broken": [
-            entry | {"traceback": error.traceback}
-            for error, entry in refused
-            if not isinstance(error, IncompatiblePluginError)
-        ],
-        "incompatible": [entry for error, entry in refused if isinstance(error, IncompatiblePluginError)],
+        "broken": broken,
+        "incompatible": incompatible,
         "left_out": [_whose(plugin) for plugin in catalog.left_out],
     }
 

@@ -26,7 +26,7 @@ from dh2urdf.cli.shared_options import (
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.manifest import HOW_TO_GET, can_write_html
-from dh2urdf.report.verdicts import coverage_line, notice_line
+from dh2urdf.report.verdicts import coverage_line, holds_still, notice_line
 from dh2urdf.running.run import execute, load_plan
 from dh2urdf.source import Messages, printable
 from dh2urdf.tasks.batch_report import is_new
@@ -111,8 +111,7 @@ def command(
 def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
     """Say on standard error how a run goes: a bar on a terminal, a line now and then in a log.
 
-    A screenful of notices and of errors is printed and the rest counted: a run may hold a million manipulators. `quiet`
-    prints only what fails, and `debug` where stages failed.
+    A screenful of notices and of errors is printed, and the rest counted; `debug` also prints where stages failed.
     """
     severities = ("error",) if quiet else ("notice", "error")
     bar = _bar() if sys.stderr.isatty() and not quiet else None
@@ -138,7 +137,9 @@ def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
         for traceback in report.tracebacks if debug else ():
             say(traceback)
         now = time.monotonic()
-        rate, left = _pace(made, total, now - started)
+        per_second = made / max(now - started, 1e-9)
+        seconds = round(max(0, (total or 0) - made) / per_second) if per_second else 0
+        rate, left = f"{per_second:,.0f}/s", f"{timedelta(seconds=seconds)} left" if total and per_second else ""
         if bar is not None:
             fields = {"rate": rate, "left": left, "failed": f"{failed:,} failed" if failed else ""}
             bar.update(bar.task_ids[0], completed=made, total=total, **fields)
@@ -157,13 +158,6 @@ def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
                 click.echo(
                     f"and {more:,} more {severity}{'s' if more > 1 else ''}: the manifest has all of them", err=True
                 )
-
-
-def _pace(made: int, total: int | None, seconds: float) -> tuple[str, str]:
-    """How many manipulators are made per second, and how long the others will take."""
-    rate = made / max(seconds, 1e-9)
-    left = f"{timedelta(seconds=round(max(0, total - made) / rate))} left" if total and rate else ""
-    return f"{rate:,.0f}/s", left
 
 
 def _bar() -> Any:  # noqa: ANN401 - rich.progress.Progress, whose import takes a tenth of a short run
@@ -236,29 +230,24 @@ def _table(rows: Sequence[ManipulatorEntry]) -> Table:
         asked = {**row["proof"], **row["loaders"]}
         cells = [_asked(asked.get(name)) for name in (*emitters, *loaders)]
         if loaders:
-            stays = [report["hold"].get("stayed") for report in row["loaders"].values() if report["hold"]]
-            cells.append("–" if not stays else "yes" if all(stays) else "no")
-        files = [*_main_files(row), *(load["picture"] for load in row["loaders"].values() if load["picture"])]
+            cells.append({None: "–", True: "yes", False: "no"}[holds_still(row)])
+        # The main file of each emitter, and those beside it: an emitter may write whole folders of files.
+        folders: dict[str, str] = {}
+        placed = [(file["stage"], file["path"], file["path"].rpartition("/")[0]) for file in row["files"]]
+        files = [path for stage, path, folder in placed if folders.setdefault(stage, folder) == folder]
+        files += [load["picture"] for load in row["loaders"].values() if load["picture"]]
         colour = {"ok": "green", "failed": "red", "skipped": "yellow"}[row["status"]]
         table.add_row(_plain(row["name"]), f"[{colour}]{row['status']}[/]", *cells, _plain(", ".join(files)))
     return table
 
 
-def _main_files(row: ManipulatorEntry) -> list[str]:
-    """The main file of each emitter, and those beside it: an emitter may write whole folders of files."""
-    folders: dict[str, str] = {}
-    placed = [(file["stage"], file["path"], file["path"].rpartition("/")[0]) for file in row["files"]]
-    return [path for stage, path, folder in placed if folders.setdefault(stage, folder) == folder]
-
-
 def _asked(facts: ProofEntry | LoadEntry | None) -> str:
-    verdict = facts.get("verdict", "passed") if facts else None
-    if verdict in {"failed", "missing"}:
-        return str(verdict)
-    error = facts["position_error"] if facts else None
-    if error is None:
+    if facts is None:
         return "–"
-    return f"{error:.1e}" if error else "0"
+    if (verdict := facts.get("verdict", "passed")) != "passed":
+        return str(verdict)
+    error = facts["position_error"]
+    return "–" if error is None else f"{error:.1e}" if error else "0"
 
 
 def _plain(text: str) -> str:

@@ -97,11 +97,7 @@ def set_option(text: str) -> Callable[[F], F]:
 
 
 def one_file_and_arguments(words: Iterable[str]) -> tuple[Path, dict[str, str]]:
-    """A robot description and arguments of a xacro; see `files_and_arguments`.
-
-    Raises:
-        ConfigError: there is no file, or there are several.
-    """
+    """A robot description and arguments of a xacro; a ConfigError where there is no file, or there are several."""
     files, arguments = files_and_arguments(words)
     if len(files) != 1:
         raise ConfigError(say("one-file-only", COMMAND_LINE, count=len(files)))
@@ -109,11 +105,7 @@ def one_file_and_arguments(words: Iterable[str]) -> tuple[Path, dict[str, str]]:
 
 
 def files_and_arguments(words: Iterable[str]) -> tuple[list[Path], dict[str, str]]:
-    """Files, and arguments of a xacro among them as ROS writes them, ``NAME:=VALUE``.
-
-    Raises:
-        ConfigError: a word is no such argument, or one is given twice.
-    """
+    """Files, and arguments of a xacro among them as ROS writes them, ``NAME:=VALUE``."""
     files: list[Path] = []
     arguments: dict[str, str] = {}
     for word in words:
@@ -193,9 +185,8 @@ class StageCommand(click.Command):
             of_kind = installed.provided if everybody else installed.builtin
             records = [(kind, item.stage) for kind in self.kinds for item in of_kind(kind)]
             options = [(kind, stage.options) for kind, stage in records if self.which(stage)]
-            for kind, field in [
-                (kind, each) for kind, given in options if is_dataclass(given) for each in fields(given)
-            ]:
+            known = [(kind, each) for kind, given in options if is_dataclass(given) for each in fields(given)]
+            for kind, field in known:
                 data = field.metadata
                 if field.name in flags or "flag" not in data or self.name not in data.get("commands", (self.name,)):
                     continue
@@ -229,10 +220,7 @@ def given_options(flags: Mapping[str, Any]) -> dict[str, dict[str, str | None]]:
 
 
 def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path, str | None]:
-    """A table of the command line, and the name of its reader; standard input where the table is a dash.
-
-    What comes from there is kept in a file until the command ends.
-    """
+    """A table of the command line, and the name of its reader; a dash is standard input, kept in a file."""
     if str(table) != DASH:
         return table, reader
     content = _standard_input()
@@ -243,14 +231,10 @@ def given_table(table: Path, reader: str | None, catalog: Catalog) -> tuple[Path
 
 
 def given_description(file: Path, emitter: str | None, catalog: Catalog) -> Path:
-    """A robot description of the command line; standard input where the file is a dash.
-
-    Raises:
-        ConfigError: the format of standard input is not said: of a URDF, which a xacro may be too, nobody can be sure.
-    """
+    """A robot description of the command line; standard input where the file is a dash."""
     if str(file) != DASH:
         return file
-    if emitter is None:
+    if emitter is None:  # Of a URDF, which a xacro may be too, nobody can be sure.
         raise ConfigError(say("stdin-format-missing", COMMAND_LINE))
     return _kept(_standard_input(), catalog.get("emitter", emitter).suffixes)
 

@@ -32,13 +32,7 @@ _KINDS: dict[str, tuple[Callable[[Any], object], str]] = {
 
 
 def check_arguments(kind: str, mark: Mark, **given: Any) -> None:  # noqa: ANN401 - whatever is given
-    """Refuse arguments that are not of a kind: a name, a flag (and no text such as ``no``), a path, a list, a mapping.
-
-    None is an argument that was left out.
-
-    Raises:
-        ConfigError: one of them is something else.
-    """
+    """Refuse arguments that are not of a kind: a name, a flag, a path, a list, a mapping; None was left out."""
     is_one, accepted = _KINDS[kind]
     for argument, value in given.items():
         if value is not None and not is_one(value):
@@ -71,11 +65,7 @@ def several(
 
 
 def word_of(value: object) -> str:
-    """A value as a word of the command line: JSON is YAML.
-
-    Raises:
-        RecordTypeError: it is, or holds, something that YAML has no word for.
-    """
+    """A value as a word of the command line: JSON is YAML."""
     if isinstance(value, str):
         return value
     try:
@@ -96,22 +86,18 @@ def settings_of(options: Mapping[str, object] | None) -> list[str]:
 
 def _with_units(value: Any) -> Any:  # noqa: ANN401 - whatever is given
     """A value with its records as mappings whose numbers name their units: a record is in SI units, a table is not."""
-
-    def of(unit: str, numbers: Iterable[float | None]) -> list[str | None]:
-        return [None if number is None else f"{number!r} {unit}" for number in numbers]
-
     match value:
         case RigidTransform():
-            r, lengths = value.rotation, of("m", value.translation)
-            value = [[*r[0:3], lengths[0]], [*r[3:6], lengths[1]], [*r[6:9], lengths[2]], [0, 0, 0, 1]]
+            r, (x, y, z) = value.rotation, (f"{length!r} m" for length in value.translation)
+            value = [[*r[0:3], x], [*r[3:6], y], [*r[6:9], z], [0, 0, 0, 1]]
         case Payload():
-            value = {"mass": of("kg", [value.mass])[0], "com": of("m", value.com), "inertia": value.inertia}
-            value = {key: _with_units(entry) for key, entry in value.items() if entry is not None}
+            com = [f"{length!r} m" for length in value.com]
+            given = {"mass": f"{value.mass!r} kg", "com": com, "inertia": value.inertia}
+            value = {key: _with_units(entry) for key, entry in given.items() if entry is not None}
         case Inertia():
-            names = [field.name for field in fields(value)]
-            value = dict(zip(names, of("kg·m²", [getattr(value, name) for name in names]), strict=True))
+            value = {field.name: f"{getattr(value, field.name)!r} kg·m²" for field in fields(value)}
         case LinkGeometry():
-            given = {"shape": value.shape, "radius": of("m", [value.radius])[0]}
+            given = {"shape": value.shape, "radius": None if value.radius is None else f"{value.radius!r} m"}
             value = {key: word for key, word in given.items() if word is not None}
         case Mapping():
             value = {key: _with_units(entry) for key, entry in value.items()}

@@ -27,13 +27,7 @@ def inspect(
     *,
     ask: bool = False,
 ) -> Inspection:
-    """The findings of the emitter of a file's format.
-
-    The suffix of the file names the format where nothing else does; `choice` is how it is named, for messages.
-
-    Raises:
-        ConfigError: files of the format cannot be checked, or hold no macros that could be expanded.
-    """
+    """The findings of the emitter of a file's format, which its suffix names where nothing else does, by a `choice`."""
     emitter = emitter_of(catalog, file, format_name, choice)
     checks = emitter.can(Checks)
     if checks is None:

@@ -75,24 +75,14 @@ def read_manipulator(
 def chosen_manipulator(
     items: Iterator[Manipulator | Rejected], robot: str | None, file: str, mark: Mark
 ) -> Manipulator:
-    """The manipulator that is meant.
-
-    Raises:
-        TableError: it cannot be read, there is none, or which of several is not said.
-    """
+    """The manipulator that is meant; a TableError where there is none, or which of several is not said."""
     others: list[str] = []
     chosen: Manipulator | Rejected | None = None
     for item in items:
         if robot is None and chosen is not None:
-            names = [option(mark, "robot", shown(name)) for name in (chosen.name, item.name)]
-            raise TableError(
-                say(
-                    "several-manipulators",
-                    Mark(file=file),
-                    option=option(mark, "robot", "NAME"),
-                    names=" or ".join(names),
-                )
-            )
+            names = " or ".join(option(mark, "robot", shown(name)) for name in (chosen.name, item.name))
+            setting = option(mark, "robot", "NAME")
+            raise TableError(say("several-manipulators", Mark(file=file), option=setting, names=names))
         others.append(item.name)
         if robot in (None, item.name):
             chosen = item
@@ -109,11 +99,7 @@ def chosen_manipulator(
 
 @contextmanager
 def refuse_run_file(table: Path) -> Iterator[None]:
-    """Reports that a file which cannot be read as a table is a run file, where it is one.
-
-    Raises:
-        ConfigError: it is one.
-    """
+    """Reports that a file which cannot be read as a table is a run file, where it is one."""
     try:
         yield
     except TableError:
@@ -134,18 +120,10 @@ def stage_calls(
     given: Mapping[str, Mapping[str, str | None]],
     settings: Iterable[str] = (),
 ) -> dict[str, list[Call[Any]]]:
-    """The calls of stages with their options, in the order of the stages of each kind.
+    """The calls of stages by kind with their options, those of one kind sharing what is given for it.
 
-    Args:
-        catalog: where the stages are from.
-        stages: the stages by kind. Those of one kind share the settings: each takes the options that it has.
-        mark: the place that problems name.
-        given: options by kind; a stage that has no such option is an error.
-        settings: options that go to the kind of stage which has them: ``frames=dh``, or ``transform.frames=dh`` where
-            several kinds have one of that name.
-
-    Raises:
-        ConfigError: an option is unknown or its value wrong; all problems are reported at once.
+    `settings` go to the kind of stage which has them: ``frames=dh``, or ``transform.frames=dh`` where several kinds
+    have one of that name. All that is wrong is reported at once, in a ConfigError.
     """
     words: dict[str, dict[str, str]] = {
         kind: {name: value for name, value in given.get(kind, {}).items() if value is not None} for kind in stages
@@ -190,11 +168,7 @@ def stage_calls(
 
 
 def edit_calls(words: Iterable[str], mark: Mark, catalog: Catalog) -> tuple[Call[Edit[Any]], ...]:
-    """The edits with their options, a word of YAML for each, such as ``payload`` or ``payload: {mass: 2.5}``.
-
-    Raises:
-        ConfigError: a word names no edit, or an option is wrong; all of it is reported at once.
-    """
+    """The edits with their options, a word of YAML for each, such as ``payload`` or ``payload: {mass: 2.5}``."""
     calls, problems = [], []
     for word in words:
         try:
@@ -218,6 +192,5 @@ def _edit_call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
         code = "edit-unreadable" if broken else "edit-unknown-form"
         setting = option(mark, "edits", shown(word))
         raise ConfigError(say(code, mark, found=word, setting=setting, reason=broken))
-    return call_of(
-        catalog, catalog.get("edit", name), {} if options is None or options.value is None else options, mark
-    )
+    given = None if options is None or options.value is None else options
+    return call_of(catalog, catalog.get("edit", name), given, mark)

@@ -104,9 +104,6 @@ def plan_conversion(
     The arguments are those of `dh2urdf.convert`, but for these: `mark` is the place that problems name (the command
     line, or the function that was called); `given` and `settings` are options as words, the first by kind of stage;
     `inputs` are further files that must not be overwritten, the other tables of the same command.
-
-    Raises:
-        ConfigError: something that was asked for is wrong.
     """
     readers: list[Any] = []
     if isinstance(table, Path):
@@ -214,19 +211,14 @@ def in_one_file(call: Call[Emitter[Any]]) -> Call[Emitter[Any]]:
 
 
 def as_named(call: Call[Emitter[Any]], target: Path) -> Call[Emitter[Any]]:
-    """An emitter with options that make it give what the suffix of a file names.
-
-    Raises:
-        ConfigError: the suffix names none of the formats of an emitter that has several.
-    """
+    """An emitter with options that make it give what the suffix of a file names, which must be one of its formats."""
     others = call.stage.can(OtherFiles)
     if others is None or others.for_suffix is None:
         return call
     if (suffix := _suffix(target, call.stage)) is None:
         name, suffixes = target.name, call.stage.suffixes
-        raise ConfigError(
-            say("name-of-no-format", found=str(target), name=name, emitter=call.stage.name, suffixes=suffixes)
-        )
+        about: dict[str, Any] = {"name": name, "emitter": call.stage.name, "suffixes": suffixes}
+        raise ConfigError(say("name-of-no-format", found=str(target), **about))
     with depending_on(call, "for_suffix"):
         return replace(call, options=a_record(others.for_suffix(call.options, suffix), call.stage.options))
 

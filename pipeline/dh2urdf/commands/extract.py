@@ -42,11 +42,7 @@ def description_reader(
     given: Mapping[str, str | None] | None = None,
     settings: Iterable[str] = (),
 ) -> Call[Reader[Any]]:
-    """The reader of a robot description, with its options; the arguments are those of `choices.reader_call`.
-
-    Raises:
-        ConfigError: the reader reads tables, or an option is unknown or its value wrong.
-    """
+    """The reader of a robot description, with its options; the arguments are those of `choices.reader_call`."""
     stage = chosen_reader(catalog, path, reader, mark)
     is_table = stage.can(ReadsDescriptions) is None
     if is_table and REWRITES in stage.options.__dataclass_fields__:
@@ -77,11 +73,7 @@ class Chains(NamedTuple):
 
 
 def chains_of(call: Call[Reader[Any]], path: Path) -> Chains:
-    """The chains that are meant, as manipulators.
-
-    Raises:
-        TableError: there is none, or none of them has a table.
-    """
+    """The chains that are meant, as manipulators; a TableError where there is none, or none of them has a table."""
     items = list(read_items(call, path))
     arms = [item for item in items if isinstance(item, Manipulator)]
     refused = [item for item in items if isinstance(item, Rejected)]
@@ -93,11 +85,7 @@ def chains_of(call: Call[Reader[Any]], path: Path) -> Chains:
 
 
 def the_one(call: Call[Reader[Any]], path: Path) -> Manipulator:
-    """The manipulator of the one chain that is meant.
-
-    Raises:
-        TableError: there is none, or there are several.
-    """
+    """The manipulator of the one chain that is meant; a TableError where there are several."""
     arms, refused = chains_of(call, path)
     if len(arms) == 1 and not refused:
         return arms[0]
@@ -122,7 +110,13 @@ def write_extracted(
     renamed: list[Problem] = []
     arms = [_without_numbers(arm, renamed) for arm in arms]
     texts = [table_text(arm, length_unit, angle_unit, folder=out.parent) for arm in arms]
-    content = b"".join(map(_header, arms)) + in_format(texts, call).content
+    lines: list[str] = []
+    for arm in arms:  # What is known of a table, with names of the description: no reader reads such comments.
+        source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
+        lines += [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
+    # No part of a comment is a cell that a spreadsheet computes.
+    plain = (re.sub("([,;])(?=[=+@-])", r"\1 ", " ".join(line.split())) for line in lines)
+    content = encoded("".join(f"#> {line}\n" for line in plain)) + in_format(texts, call).content
     lost = left_out(arms, content, call, str(out))
     refuse_inputs([out], inputs)
     write_whole(out, content)
@@ -136,18 +130,8 @@ def _without_numbers(arm: Manipulator, notices: list[Problem]) -> Manipulator:
         if not names or not all(name.isascii() and name.isdecimal() for name in names):
             continue
         others = [f"{field}_{name}" for name in names]
-        notice = say(
-            "names-are-numbers", arm.mark, robot=arm.name, field=field, names=listed(names), others=listed(others)
-        )
-        notices.append(notice)
+        about = {"robot": arm.name, "field": field, "names": listed(names), "others": listed(others)}
+        notices.append(notice := say("names-are-numbers", arm.mark, **about))
         rows = tuple(replace_unchecked(row, **{field: name}) for row, name in zip(arm.rows, others, strict=True))
         arm = replace_unchecked(arm, rows=rows, notices=(*arm.notices, notice))
     return arm
-
-
-def _header(arm: Manipulator) -> bytes:
-    """What is known of a table, as comments from which no reader reads anything: they have names of the description."""
-    source = f"of {Path(arm.mark.file).name}" if arm.mark else ""
-    lines = [f"{arm.name} {source}".strip(), *(notice.message for notice in arm.notices)]
-    plain = (re.sub("([,;])(?=[=+@-])", r"\1 ", " ".join(line.split())) for line in lines)
-    return encoded("".join(f"#> {line}\n" for line in plain))  # no part is a cell that a spreadsheet computes

@@ -33,9 +33,7 @@ from dh2urdf.table_text import METADATA, PARAMETERS, STATEMENTS, CellRow
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
-    from dh2urdf.stages import Reader, Rejected
 
 say = Messages(__file__)
 
@@ -55,9 +53,6 @@ def as_file(source: Source, kind: str, name: str | None, catalog: Catalog, choic
     """A file that holds what was given, as long as the context is open.
 
     A reader or an emitter (`kind`) of the name knows the format; `choice` is how it is named, for messages.
-
-    Raises:
-        ConfigError: the format of a text or a stream is not said.
     """
     content = _content(source)
     if content is None:
@@ -141,7 +136,12 @@ def manipulator_of(
     if isinstance(table, (str, bytes)) or hasattr(table, "read"):
         if (types, joints, name) != (None, None, None):
             raise ConfigError(say("arguments-beside-text", own))
-        return _from_text(table, robot, options if columns is None else {**options, "columns": [*columns]}, own)
+        if isinstance(table, str) and not _is_text(table):
+            raise TableError(say("table-of-one-line", own, found=table))
+        text: Any = table
+        arm = read_table(text, robot, None, options if columns is None else {**options, "columns": [*columns]}, own)
+        warn_of(arm.notices, 2)
+        return arm
     given: dict[str, list[Any]] = {}
     for argument, value in (("columns", columns), ("types", types), ("joints", joints)):
         if value is not None:
@@ -154,29 +154,15 @@ def manipulator_of(
         headers = [*headers, argument.removesuffix("s")]
         rows = [[*row, cell] for row, cell in zip(rows, cells, strict=True)]
     (call,) = stage_calls(catalog, {"reader": [reader]}, own, {"reader": words_of(options)})["reader"]
-    said = {**_said(table, place), "name": STEM if name is None else name}
-    items = _read_cells(call, _cell_rows(headers, rows, said, place), place.file)
-    arm = chosen_manipulator(items, robot, place.file, own)
+    entries = _cell_rows(headers, rows, {**_said(table, place), "name": STEM if name is None else name}, place)
+    reads: Any = reader.can(ReadsCells)
+    with blaming(call):
+        items = items_of(reads.read_cells(entries, place.file, call.options), Manipulator)
+    arm = chosen_manipulator(checked_items(items, call), robot, place.file, own)
     if name is not None and arm.name != name.strip():
         raise ConfigError(say("name-without-effect", own, field="name", found=name, named=shown(arm.name)))
     warn_of(arm.notices, 2)
     return arm
-
-
-def _from_text(table: Any, robot: str | None, options: Mapping[str, object], mark: Mark) -> Manipulator:  # noqa: ANN401
-    """The manipulator of a text, bytes or a stream, whatever its form is."""
-    if isinstance(table, str) and not _is_text(table):
-        raise TableError(say("table-of-one-line", mark, found=table))
-    arm = read_table(table, robot, None, options, mark)
-    warn_of(arm.notices, 3)
-    return arm
-
-
-def _read_cells(call: Call[Reader[Any]], rows: Iterable[CellRow], file: str) -> Iterator[Manipulator | Rejected]:
-    if reads := call.stage.can(ReadsCells):
-        with blaming(call):
-            items = items_of(reads.read_cells(rows, file, call.options), Manipulator)
-        yield from checked_items(items, call)
 
 
 def _said(table: object, place: Mark) -> dict[str, object]:
@@ -291,7 +277,6 @@ def _wrong(place: Mark, code: str, **values: Any) -> RecordValueError:  # noqa: 
 # --- Screw axes -------------------------------------------------------------------------------------------------------
 
 
-_FUNCTION = "dh2urdf.from_screws()"
 _READER = "screws"
 
 
@@ -339,7 +324,6 @@ def from_screws(
 
     given = {"name": name, "Slist": Slist, "M": M, "Blist": Blist, "H": H, "P": P, "R": R, "joints": joints}
     text = word_of({key: value for key, value in given.items() if value is not None})
-    mark, catalog = Mark(file=_FUNCTION), load()
+    mark, catalog = Mark(file="dh2urdf.from_screws()"), load()
     with as_file(text.encode(), "reader", _READER, catalog, "reader=NAME") as path:
-        words = {key: word_of(value) for key, value in options.items()}
-        return the_one(description_reader(catalog, path, mark, reader=_READER, given=words), path)
+        return the_one(description_reader(catalog, path, mark, reader=_READER, given=words_of(options)), path)

@@ -19,7 +19,6 @@ from dh2urdf.source import Messages, Problem
 
 say = Messages(__file__)
 
-_FUNCTION = "from_roboticstoolbox()"
 _SAME = 1e-9
 """How far T(q) of the table may be from the robot's own [m, rad]."""
 _NEEDED = ("a", "alpha", "d", "theta", "offset", "isrevolute", "isprismatic", "mdh")
@@ -136,8 +135,7 @@ def _row(link: Any, number: int, name: str, how: Inertias, notices: list[Problem
 
 def _pose(robot: Any, which: str) -> RigidTransform:  # noqa: ANN401 - of another package
     """The base or the tool: an SE3 or a matrix."""
-    value = getattr(robot, which, None)
-    if value is None:
+    if (value := getattr(robot, which, None)) is None:
         return IDENTITY
     if len(_flat(getattr(value, "A", value))) != 16:  # noqa: PLR2004 - of a 4x4 matrix
         raise _error("toolbox-no-pose", which=which, value=value)
@@ -161,4 +159,4 @@ def _flat(values: Any) -> list[float]:  # noqa: ANN401 - an array of any form
 
 
 def _error(code: str, **values: Any) -> TableError:  # noqa: ANN401 - of a message
-    return TableError(say(code, function=_FUNCTION, **values))
+    return TableError(say(code, function="from_roboticstoolbox()", **values))

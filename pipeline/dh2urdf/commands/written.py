@@ -43,17 +43,7 @@ _SAME = 1e-12
 def table_content(
     format_name: str, manipulators: Sequence[Manipulator], *, length_unit: str = "m", angle_unit: str = "rad"
 ) -> bytes:
-    """The tables of some manipulators in the format of an installed reader; `left_out_of` reads them back.
-
-    Args:
-        format_name: name of the reader.
-        manipulators: the arms.
-        length_unit: the unit of lengths.
-        angle_unit: the unit of angles.
-
-    Raises:
-        InputError: no such reader is installed, it only reads, or its format cannot hold several such tables.
-    """
+    """The tables of some manipulators in the format of an installed reader; `left_out_of` reads them back."""
     texts = [table_text(manipulator, length_unit, angle_unit) for manipulator in manipulators]
     return in_format(texts, _reader(format_name)).content
 
@@ -67,11 +57,7 @@ def left_out_of(format_name: str, manipulators: Sequence[Manipulator], content: 
 def left_out(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
 ) -> tuple[Problem, ...]:
-    """What a written table file does not hold of its manipulators, as notices.
-
-    Raises:
-        RecordValueError: what was written reads back as other arms.
-    """
+    """What a written table file does not hold of its manipulators, as notices; a RecordValueError for other arms."""
     missing: dict[str, list[str]] = {}
     for given, again in zip(manipulators, _read_back(manipulators, content, call, place), strict=True):
         for inner, value, found in _different(given, again, ""):
@@ -89,11 +75,7 @@ def left_out(
 
 
 def write_table(manipulator: Manipulator, suffix: str, out: str | os.PathLike[str] | None, function: str) -> str:
-    """The table of a manipulator in the format of the files with a suffix, written where `out` is given.
-
-    Raises:
-        RecordValueError: the format has no place for something that the manipulator says.
-    """
+    """The table of a manipulator in the format of the files with a suffix, which must have a place for all of it."""
     target = path_or_none("out", out, Mark(file=function))
     catalog = load()
     call = default_call(catalog, catalog.reader_for(Path(f"table{suffix}")))
@@ -145,16 +127,9 @@ def _different(given: Any, again: Any, place: str) -> Iterator[tuple[str, Any, A
 
 def _other(arm: Manipulator, change: tuple[str, Any, Any], call: Call[Reader[Any]], place: str) -> Problem:
     field, given, found = change
-    is_text = isinstance(given, str) and isinstance(found, str)
-    return say(
-        "text-changes-in-format" if is_text else "number-changes-in-format",
-        Mark(file=place),
-        robot=arm.name,
-        field=field,
-        found=str(given),
-        format=call.stage.name,
-        again=str(found),
-    )
+    code = "text-changes-in-format" if isinstance(given, str) and isinstance(found, str) else "number-changes-in-format"
+    about = {"robot": arm.name, "field": field, "found": str(given), "again": str(found)}
+    return say(code, Mark(file=place), format=call.stage.name, **about)
 
 
 def _close(given: Any, found: Any) -> bool:  # noqa: ANN401 - parts of records
@@ -204,16 +179,14 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
     for tip in (joint.child for joint in robot.joints if joint.child not in parents):
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
         limits = [joint.limits for joint in given.joints if joint.type is not JointType.FIXED]
-        bounds = [
-            (-math.pi if each.lower is None else each.lower, math.pi if each.upper is None else each.upper)
-            for each in limits
-        ]
         for part in (0.0, 1.0, 0.3, 0.7):
-            parts = [part if number % 2 else 1.0 - part for number in range(len(bounds))]
-            q = [lower + share * (upper - lower) for share, (lower, upper) in zip(parts, bounds, strict=True)]
+            q = []
+            for number, each in enumerate(limits):
+                lower = -math.pi if each.lower is None else each.lower
+                upper = math.pi if each.upper is None else each.upper
+                q.append(lower + (part if number % 2 else 1.0 - part) * (upper - lower))
             left, right = given.forward_kinematics(q), found.forward_kinematics(q)
             position, angle = position_error(left, right), angle_error(left, right)
             if not (position <= TOLERANCE and angle <= TOLERANCE):
-                raise ProofError(
-                    say("written-arm-differs", mark, robot=robot.name, tip=tip, position=position, angle=angle, q=q)
-                )
+                about: dict[str, Any] = {"tip": tip, "position": position, "angle": angle, "q": q}
+                raise ProofError(say("written-arm-differs", mark, robot=robot.name, **about))

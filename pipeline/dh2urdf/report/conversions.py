@@ -39,11 +39,7 @@ _LIMITS = {"limits": ("lower", "upper"), "velocities": ("velocity",), "efforts":
 
 
 def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = ()) -> dict[str, tuple[str, ...]]:
-    """What was filled in where the table says nothing: the joints or links concerned, by what it is.
-
-    A centre of mass and an inertia that go with a mass that was filled in are not told again. `untyped` are joints
-    whose type the table does not say.
-    """
+    """The joints or links for which the table says nothing, by what was filled in; `untyped` joints have no type."""
     bodies = {link.name for link in robot.links if link.inertial}
     weighs = {link.name for link in robot.links if link.inertial and link.inertial.mass}
     rows = [row for row in manipulator.rows if row.link in bodies]
@@ -54,6 +50,7 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
     found = {
         "types": list(untyped),
         "masses": [*(row.link for row in rows if row.mass is None), *base],
+        # What goes with a mass that was filled in is not told again.
         "centres of mass": [row.link for row in weighed if row.com is None],
         "inertias": [row.link for row in weighed if row.inertia is None],
     }
@@ -79,7 +76,7 @@ def closing_line(conversion: Conversion, place: str) -> str:
             proved = f"up to {error} from the table: this transform does not keep the kinematics"
     parts = [f"{manipulator.name}: {joints_in_words(manipulator.rows)}", proved]
     words = []
-    for what, names in _filled(conversion).items():
+    for what, names in filled_in(manipulator, robot, conversion.untyped).items():
         of = "link" if what in ("masses", "centres of mass", "inertias") else "joint"
         count = len([name for name in names if name != BASE])
         whose = [*([counted(count, of)] if count else []), *([BASE] if BASE in names else [])]
@@ -108,22 +105,11 @@ def counted(count: int, noun: str) -> str:
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
-def _filled(conversion: Conversion) -> dict[str, tuple[str, ...]]:
-    return filled_in(conversion.manipulator, conversion.robot, conversion.untyped)
-
-
 # --- For programs -----------------------------------------------------------------------------------------------------
 
 
 def error_report(kind: str, exit_status: int, error: BaseException, message: str) -> ErrorReport:
-    """What `--json` prints where a command fails: what standard error says, as plain data.
-
-    Args:
-        kind: of what kind the failure is, such as ``table``, ``config`` or ``usage``.
-        exit_status: the status with which the command ends.
-        error: what was raised, with its problems and notices, if it has any.
-        message: what is wrong where it has no problems.
-    """
+    """What `--json` prints where a command fails; `message` is what is wrong where the error has no problems."""
     problems: Sequence[Problem] = getattr(error, "problems", ())
     if not problems:
         problems = [error.problem if isinstance(error, PluginError) else Problem(message=message)]
@@ -144,16 +130,7 @@ def conversions_report(rows: Sequence[ConversionEntry]) -> ConversionsReport:
 
 
 def conversion_row(conversion: Conversion, source: str, directory: Path | None) -> ConversionEntry:
-    """What became of a table that was converted.
-
-    Args:
-        conversion: what became of it.
-        source: the table.
-        directory: the folder of the files; None where they were not written, and their contents are in the answer.
-
-    Raises:
-        ConfigError: a file that was not written is no text.
-    """
+    """What became of a table that was converted, with the contents of the files where there is no folder for them."""
     from hashlib import sha256
 
     from dh2urdf.conversion.outcome import proof_facts
@@ -169,7 +146,8 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
                 files[-1]["content"] = file.content.decode()
             except UnicodeDecodeError:
                 raise ConfigError(say("binary-in-json", emitter=stage)) from None
-    filled: Any = {what.replace(" ", "_"): list(names) for what, names in _filled(conversion).items()}
+    told = filled_in(manipulator, conversion.robot, conversion.untyped)
+    filled: Any = {what.replace(" ", "_"): list(names) for what, names in told.items()}
     return {
         **_row(source, conversion.notices),
         "name": manipulator.name,

@@ -108,35 +108,21 @@ def _ticks(count: int, *, whole: bool = False) -> Any:  # noqa: ANN401 - matplot
 
 
 class JointAxis(NamedTuple):
-    """The axis of a moving joint.
+    """The axis of a moving joint."""
 
-    Attributes:
-        number: the joint's among the moving joints, from 1.
-        at: a point on it [m].
-        direction: the unit vector about which the joint turns, or along which it slides.
-        slides: whether it slides.
-    """
-
-    number: int
-    at: Vec3
-    direction: Vec3
+    number: int  # among the moving joints, from 1
+    at: Vec3  # a point on it [m]
+    direction: Vec3  # the unit vector about which the joint turns, or along which it slides
     slides: bool
 
 
 class Skeleton(NamedTuple):
-    """An arm or a robot where all joint values are 0, in the root frame [m].
+    """An arm or a robot where all joint values are 0, in the root frame [m]."""
 
-    Attributes:
-        paths: lines from the root outwards; each branch of a tree begins where it leaves another one.
-        axes: the axes of the moving joints.
-        frames: the base, the frames of the links, and the tips.
-        tips: where the paths end.
-    """
-
-    paths: tuple[tuple[Vec3, ...], ...]
+    paths: tuple[tuple[Vec3, ...], ...]  # from the root outwards; a branch of a tree begins where it leaves another one
     axes: tuple[JointAxis, ...]
-    frames: tuple[RigidTransform, ...]
-    tips: tuple[Vec3, ...]
+    frames: tuple[RigidTransform, ...]  # the base, the frames of the links, and the tips
+    tips: tuple[Vec3, ...]  # where the paths end
 
 
 def arm_skeleton(tip: Tip) -> Skeleton:
@@ -172,13 +158,7 @@ def arm_skeleton(tip: Tip) -> Skeleton:
 
 
 def robot_skeleton(robot: Robot) -> Skeleton:
-    """A robot as its joints have it: straight from link to link.
-
-    Of frames that end in one point, such as a flange and tool0, the last one is drawn.
-
-    Raises:
-        ValueError: a joint stands before the one that holds it: this is no tree with its parents first.
-    """
+    """A robot as its joints have it: straight from link to link; a ValueError where no parents come first."""
     poses = {robot.root: IDENTITY}
     ending = {robot.root: [IDENTITY.translation]}
     paths = list(ending.values())
@@ -198,6 +178,7 @@ def robot_skeleton(robot: Robot) -> Skeleton:
             direction = rotate(pose.rotation, joint.axis)
             axes.append(JointAxis(len(axes) + 1, pose.translation, direction, joint.type is JointType.PRISMATIC))
             frames.append(pose)
+    # Of frames that end in one point, such as a flange and tool0, the last one is drawn.
     ends = {poses[link].translation: poses[link] for link in ending}
     lines = tuple(tuple(path) for path in paths if len(set(path)) > 1)
     return Skeleton(lines, tuple(axes), (*frames, *ends.values()), tuple(ends))
@@ -206,25 +187,8 @@ def robot_skeleton(robot: Robot) -> Skeleton:
 # --- The arm --------------------------------------------------------------------------------------------------------
 
 
-def arm_figure(expected: ExpectedPoses, key: str) -> str:
-    """The arms of a robot where all joint values are 0, with joint axes and DH frames, as SVG.
-
-    Args:
-        expected: what the tables declare about it.
-        key: a word of the figure's own on its page, for the names of its parts.
-    """
-    what = "the arm at zero joint values, with its joint axes and DH frames"
-    return skeleton_figure([arm_skeleton(tip) for tip in expected.tips], what, key)
-
-
 def skeleton_figure(arms: Sequence[Skeleton], what: str, key: str) -> str:
-    """Arms or robots where all joint values are 0, with joint axes and frames, as SVG.
-
-    Args:
-        arms: what is drawn.
-        what: the same in words, for who does not see it.
-        key: as of `arm_figure`.
-    """
+    """Arms or robots with joint axes and frames, as SVG: `what` is that in words, and `key` the figure's own word."""
     import numpy as np
 
     corners = [point for arm in arms for path in arm.paths for point in path]
@@ -292,11 +256,7 @@ def _draw_arm(axes: Any, arm: Skeleton, size: float) -> None:  # noqa: ANN401 - 
 
 
 class Workspace:
-    """Where the tips of a robot get to, by forward kinematics of its tables at many joint vectors at once.
-
-    Attributes:
-        points: positions of every tip in the root frame at random joint vectors inside the limits, (samples, 3) [m].
-    """
+    """Where the tips of a robot get to at random joint vectors inside the limits: `points`, (samples, 3) [m]."""
 
     def __init__(self, expected: ExpectedPoses, robot: Robot) -> None:
         import numpy as np
@@ -323,7 +283,7 @@ class Workspace:
         }
 
     def figure(self, key: str) -> str:
-        """The points from the top and from the side, as SVG, with a key as of `arm_figure`."""
+        """The points from the top and from the side, as SVG, with a key as of `skeleton_figure`."""
         import numpy as np
 
         together = np.concatenate([*self.points.values(), np.zeros((1, 3))])
@@ -351,25 +311,17 @@ class Workspace:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bars:
-    """A distribution, ready to be drawn.
-
-    Attributes:
-        title: what is distributed, in the project's own words.
-        edges: edges of the bars, one more than there are bars; or their words, one for each.
-        counts: how many values each holds.
-        unit: below the axis.
-        logarithmic: whether the edges are powers of ten.
-    """
+    """A distribution, ready to be drawn."""
 
     title: str
-    edges: Sequence[Any]
+    edges: Sequence[Any]  # edges of the bars, one more than there are bars; or their words, one for each
     counts: Sequence[int]
     unit: str = ""
-    logarithmic: bool = False
+    logarithmic: bool = False  # whether the edges are powers of ten
 
 
 def bars_figure(several: Sequence[Bars], what: str, key: str) -> str:
-    """Distributions side by side, at most three, and below each other, as SVG, with a key as of `arm_figure`."""
+    """Distributions side by side, at most three, and below each other, as SVG, with a key as of `skeleton_figure`."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     rows, wide = -(-len(several) // 3), min(3, len(several))

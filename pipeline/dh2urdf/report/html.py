@@ -27,8 +27,8 @@ from dh2urdf.errors import ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
 from dh2urdf.quantities.number_text import format_number
-from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_figure, bars_figure
-from dh2urdf.report.manifest import plain_options, tables_of
+from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_skeleton, bars_figure, skeleton_figure
+from dh2urdf.report.manifest import plain, tables_of
 from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable
@@ -50,13 +50,7 @@ _LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
 def page(manifest: ManifestWriter, overview: Overview, plan: Plan) -> bytes:
-    """The page of a run.
-
-    Args:
-        manifest: its manifest, and what was gathered from it.
-        overview: what else was gathered from it.
-        plan: what was done.
-    """
+    """The page of a run."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     recipe = plan.recipe
@@ -72,7 +66,7 @@ def page(manifest: ManifestWriter, overview: Overview, plan: Plan) -> bytes:
     )
     environment.filters |= {
         "number": _number,
-        "angle": lambda value: _number(value) + (_degrees(value) if value else ""),
+        "angle": _angle,
         "error": _error,
         "vector": _vector,
         "size": _size,
@@ -83,6 +77,10 @@ def page(manifest: ManifestWriter, overview: Overview, plan: Plan) -> bytes:
         _detailed(number, overview.first[number - 1], what, recipe)
         for number, what in enumerate(manifest.shown(overview.count), start=1)
     ]
+    distributions = {
+        "errors": (overview.error_distributions, "how many manipulators have which position error"),
+        "drawn": (overview.distributions, "how often which values were drawn"),
+    }
     text = environment.get_template("page.html").render(
         version=__version__,
         overview=overview,
@@ -93,14 +91,15 @@ def page(manifest: ManifestWriter, overview: Overview, plan: Plan) -> bytes:
         simulator_notices=list(map(notice_line, manifest.verdicts.notices())),
         told=manifest.reproduction,
         shown=shown,
-        stages=[
-            (call.kind, call.stage.name, call.stage.summary, _options(plain_options(call))) for call in recipe.calls
-        ],
+        stages=[(call.kind, call.stage.name, call.stage.summary, _options(call.options)) for call in recipe.calls],
         recipe=recipe,
         checks=checks,
         figures=_figures,
         pictures=lambda detailed: list(_pictures(detailed, plan.store, plan.layout)),
-        distributions=_distributions(overview),
+        distributions={
+            name: Markup(bars_figure(bars, what, name)) if bars and overview.count > 1 else None  # noqa: S704
+            for name, (bars, what) in distributions.items()
+        },
         style=Markup(style),  # noqa: S704 - the project's own
         script=Markup(script),  # noqa: S704
         script_hash=b64encode(sha256(script.encode()).digest()).decode(),
@@ -125,8 +124,9 @@ def _number(value: float | None, unit: str = "", digits: int = 6) -> Markup:
     return _data(value, f"{(value or 0.0) + 0.0:.{digits}g} {unit}")
 
 
-def _degrees(value: float) -> Markup:
-    return Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}")
+def _angle(value: float | None) -> Markup:
+    degrees = Markup(' <small class="deg">{}°</small>').format(f"{math.degrees(value) + 0.0:.6g}") if value else ""
+    return _number(value) + degrees
 
 
 def _error(value: float | None, unit: str = "") -> Markup:
@@ -147,10 +147,13 @@ def _size(count: int) -> Markup:
     return _data(count, f"{count / 1000**power:.3g} {('B', 'kB', 'MB', 'GB')[power]}")
 
 
-def _options(options: dict[str, Any]) -> str:
+def _options(options: object) -> str:
     """The options of a stage, as YAML has them."""
     words = {"None": "null", "True": "true", "False": "false"}
-    told = {name: value if isinstance(value, str) else words.get(str(value), value) for name, value in options.items()}
+    told = {
+        name: value if isinstance(value, str) else words.get(str(value), value)
+        for name, value in plain(options).items()
+    }
     return ", ".join(f"{name}: {value}" for name, value in told.items())
 
 
@@ -158,12 +161,9 @@ def _options(options: dict[str, Any]) -> str:
 
 
 def _detailed(number: int, row: ManipulatorEntry, what: object, recipe: Recipe) -> dict[str, Any]:
-    """What is shown in full of a manipulator or cell: its tables, its robot, masses, limits that were computed.
-
-    Of one without files no robot is made again: what it did to a worker it would do to the run.
-    """
+    """What is shown in full of a manipulator or cell: its tables, its robot, masses, limits that were computed."""
     robot = expected = None
-    if row["files"] and isinstance(what, Manipulator | Cell):
+    if row["files"] and isinstance(what, Manipulator | Cell):  # What ended a worker without files would end the run.
         with suppress(ManipulatorError):  # A transform with changing results is reported already.
             robot, expected = make_item(what, recipe.transform, recipe.edits)
     arms = [("", what)] if isinstance(what, Manipulator) else []
@@ -205,22 +205,15 @@ def _figures(detailed: dict[str, Any]) -> dict[str, Any] | None:
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
     if not all(0.0 <= extent["distance"] < FARTHEST_DRAWN for extent in extents.values()):
         return None
+    arms, what = (
+        map(arm_skeleton, detailed["expected"].tips),
+        "the arm at zero joint values, with its joint axes and DH frames",
+    )
     return {
-        "arm": Markup(arm_figure(detailed["expected"], f"{detailed['key']}-arm")),  # noqa: S704 - drawn by matplotlib
+        "arm": Markup(skeleton_figure([*arms], what, f"{detailed['key']}-arm")),  # noqa: S704 - drawn by matplotlib
         "workspace": Markup(workspace.figure(f"{detailed['key']}-reach")),  # noqa: S704
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),
-    }
-
-
-def _distributions(overview: Overview) -> dict[str, Any]:
-    several = {
-        "errors": (overview.error_distributions, "how many manipulators have which position error"),
-        "drawn": (overview.distributions, "how often which values were drawn"),
-    }
-    return {
-        name: Markup(bars_figure(bars, what, name)) if bars and overview.count > 1 else None  # noqa: S704
-        for name, (bars, what) in several.items()
     }
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, is_dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 from dh2urdf._version import __version__
 from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.kinematics.chain import forward_kinematics, joint_variables
+from dh2urdf.kinematics.facts import kinematic_facts
 from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.quantities.number_text import number_in
 from dh2urdf.quantities.units import UNITS
@@ -52,6 +53,8 @@ _LONGEST = 11
 _MARK = "*"
 """What is behind a value that the table does not say."""
 _MATRIX = "T(base_link → tool0) at q = 0:"
+_Lines: TypeAlias = "tuple[list[str], list[tuple[list[str], bool]], list[str]]"
+"""A table as text: its header; its rows, and whether the table says what is in each; and the lines below them."""
 
 
 def unit_of(field: str, kind: JointType) -> str:
@@ -91,14 +94,7 @@ def brief(item: Manipulator | Rejected) -> BriefEntry:
 def details(
     manipulator: Manipulator, trace: Trace | None, robot: Robot | None, errors: Sequence[Problem] = ()
 ) -> Detail:
-    """All that was understood of a manipulator.
-
-    Args:
-        manipulator: the manipulator.
-        trace: what its cells say; None where its reader does not know it.
-        robot: the robot that the default transform makes of it; None where it makes none.
-        errors: why there is no robot.
-    """
+    """All that was understood of a manipulator, whose reader may know what its cells say, and may make a robot."""
     joints = {joint.name: joint for joint in robot.joints} if robot else {}
     masses = {link.name: link.inertial.mass for link in robot.links if link.inertial} if robot else {}
     unsaid: Literal["default", "read"] = READ if trace is None else DEFAULT
@@ -108,6 +104,10 @@ def details(
     units = {key.partition(".")[2]: each for key, each in trace.table.items() if key.startswith("units.")}
     at_zero = forward_kinematics(manipulator, [0.0] * len(manipulator.moving_rows))
     frame = [[*at_zero.rotation[3 * i : 3 * i + 3], at_zero.translation[i]] for i in range(3)]
+    stated: dict[str, Any] = {name: getattr(manipulator, name, None) for name in _STATED}
+    for name, value in stated.items():
+        if is_dataclass(value) and not isinstance(value, type):
+            stated[name] = {key: entry for key, entry in asdict(value).items() if entry is not None}
     computed = filled_in(manipulator, robot).get("masses", ()) if robot else ()
     return {
         "name": manipulator.name,
@@ -116,7 +116,7 @@ def details(
         "base": _placement(manipulator.base, place.get("base"), unsaid),
         "tool": _placement(manipulator.tool, place.get("tool"), unsaid),
         "units": [{"of": of, "unit": each.text or "", "place": _place(each.mark)} for of, each in units.items()],
-        "stated": {key: {"value": value, "place": place.get(key)} for key, value in _stated(manipulator)},
+        "stated": {k: {"value": v, "place": place.get(k)} for k, v in stated.items() if v not in (None, {})},
         "joints": [
             {
                 "name": row.joint,
@@ -132,7 +132,7 @@ def details(
         ],
         "pose_at_zero": [*frame, [0.0, 0.0, 0.0, 1.0]],
         "largest_distance": largest_distance(manipulator, joints),
-        "axes": axes_entry(manipulator),
+        "axes": axes_entry(kinematic_facts(manipulator)),
         "mass": {
             "total": robot.mass if robot else None,
             "unit": "kg",
@@ -190,43 +190,27 @@ def largest_distance(manipulator: Manipulator, joints: Mapping[str, Joint]) -> D
     """A bound of the distance of tool0 from the origin of the first DH frame, at whatever joint values.
 
     The origin of a DH frame is √(a² + d²) from the one before, whatever theta and alpha are; the bound is the sum of
-    these distances and of the tool's. No joint vector within the limits leads further; whether one leads as far is
-    another question.
-
-    Args:
-        manipulator: the table.
-        joints: the joints of its robot, whose limits replace those that the table leaves open.
+    these distances and of the tool's. Limits that the table leaves open are those of the robot's joints.
     """
     bound, open_ends = norm(manipulator.tool.translation), []
     for row in manipulator.rows:
-        ends: tuple[float | None, ...] = (0.0,)
+        ends: list[float | None] = [0.0]
         if row.type is JointType.PRISMATIC:
-            given, filled = row.limits, joints[row.joint].limits if row.joint in joints else row.limits
-            ends = (
-                given.lower if given.lower is not None else filled.lower,
-                given.upper if given.upper is not None else filled.upper,
-            )
-        values = [q for q in ends if q is not None]
-        if len(values) < len(ends):
+            limits = (row.limits, joints[row.joint].limits if row.joint in joints else row.limits)
+            ends = [
+                next((q for each in limits if (q := getattr(each, end)) is not None), None)
+                for end in ("lower", "upper")
+            ]
+        if None in ends:
             open_ends.append(row.joint)
         else:
-            bound += max(math.hypot(row.a, joint_variables(row, q)[1]) for q in values)
+            bound += max(math.hypot(row.a, joint_variables(row, q or 0.0)[1]) for q in ends)
     return {
         "bound": None if open_ends else bound,
         "unit": "m",
         "of": "tool0 from the origin of the first DH frame",
         "without_limits": open_ends,
     }
-
-
-def _stated(manipulator: Manipulator) -> Iterator[tuple[str, Any]]:
-    """What else the table declares about the whole arm, by key."""
-    for name in _STATED:
-        value = getattr(manipulator, name, None)
-        if is_dataclass(value) and not isinstance(value, type):
-            value = {key: entry for key, entry in asdict(value).items() if entry is not None}
-        if value not in (None, {}):
-            yield name, value
 
 
 def _placement(transform: RigidTransform, place: str | None, unsaid: Literal["default", "read"]) -> Placement:
@@ -244,10 +228,7 @@ def _place(mark: Mark | None) -> str | None:
 def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
     """A report in lines: the table as a paper prints it, facts, notices; on a terminal, what is filled in is dim.
 
-    Args:
-        report: the report.
-        terminal: whether lines are to fit into a terminal.
-        cells: whether there is a line for each field in place of a row for each joint.
+    With `cells` there is a line for each field in place of a row for each joint.
     """
     from rich.console import Console
     from rich.markup import escape
@@ -258,7 +239,7 @@ def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
         return "\n".join(_arms(report))
     console = Console(force_terminal=terminal, highlight=False)
     console.width = min(console.width, WIDTH) if terminal else 100_000
-    head, rows = (HEAD, list(_rows(detail))) if cells else _as_printed(detail)
+    head, rows, legend = _field_lines(detail) if cells else _as_printed(detail)
     table = Table(box=None, pad_edge=False)
     for name in head:
         table.add_column(escape(name), overflow="fold")
@@ -269,14 +250,10 @@ def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
         named = "" if terminal and joint == before else joint
         before = joint
         table.add_row(*map(escape, (named, *others)), style=None if is_typed or not terminal else "dim")
-    facts = "\n".join(_facts(report["source"], detail))
+    facts = "\n".join([*legend, *_facts(report["source"], detail)])
     with console.capture() as captured:
-        if cells:
-            console.print(facts, markup=False)
-        console.print(table)
-        if not cells:
-            legend = [f"{_MARK} filled in: the table does not say it"] if _is_marked(rows) else []
-            console.print("\n".join(["", *legend, facts]), markup=False)
+        for part in (facts, table) if cells else (table, f"\n{facts}"):
+            console.print(part, markup=False)
         console.print("\n".join(_notices(detail)), markup=False)
     return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
@@ -290,14 +267,13 @@ def markdown(report: InfoReport, *, cells: bool = False) -> Iterator[str]:
         return
     facts = list(_facts(report["source"], detail))
     matrix = facts.index(_MATRIX)
-    head, rows = (HEAD, list(_rows(detail))) if cells else _as_printed(detail)
+    head, rows, legend = _field_lines(detail) if cells else _as_printed(detail)
     table = [f"| {' | '.join(map(markdown_text, head))} |", f"|{'---|' * len(head)}"]
     table += [f"| {' | '.join(map(markdown_text, row))} |" for row, _ in rows]
     yield from (f"# {markdown_text(detail['name'])}", "")
     if not cells:
         yield from (*table, "")
-        if _is_marked(rows):
-            yield from (f"\\{_MARK} filled in: the table does not say it", "")
+        yield from (f"\\{line}\n" for line in legend)
     yield from (f"- {markdown_text(line)}" for line in facts[:matrix])
     yield from ("", _MATRIX, "", "```text", *facts[matrix + 1 :], "```", "")
     if cells:
@@ -306,7 +282,7 @@ def markdown(report: InfoReport, *, cells: bool = False) -> Iterator[str]:
         yield from ("", *notices)
 
 
-def _as_printed(detail: Detail) -> tuple[tuple[str, ...], list[tuple[tuple[str, ...], bool]]]:
+def _as_printed(detail: Detail) -> _Lines:
     """The table as a paper prints it: a row for each joint, units in the header, what is filled in with a mark."""
     joints = [{field["field"]: field for field in joint["fields"]} for joint in detail["joints"]]
     typed = {name for joint in joints for name, field in joint.items() if field["from"] in (CELL, READ)}
@@ -314,7 +290,7 @@ def _as_printed(detail: Detail) -> tuple[tuple[str, ...], list[tuple[tuple[str, 
     units = {name: {joint[name]["unit"] for joint in joints if name in joint} for name in ("theta", "d", *others)}
     head = ["joint", "type", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"]
     head += [f"{name} [{', '.join(sorted(units[name]))}]" for name in others]
-    rows, moving = list[tuple[tuple[str, ...], bool]](), 0
+    rows, moving = list[tuple[list[str], bool]](), 0
     for fields in joints:
         kind = JointType(str(fields["type"]["value"]))
         moving += kind is not JointType.FIXED
@@ -325,8 +301,9 @@ def _as_printed(detail: Detail) -> tuple[tuple[str, ...], list[tuple[tuple[str, 
             for name in ("theta", "d", "a", "alpha")
         ]
         cells += [_printed(fields[name]) if name in fields else "" for name in others]
-        rows.append((tuple(map(printable, cells)), True))
-    return tuple(head), rows
+        rows.append((list(map(printable, cells)), True))
+    is_marked = any(cell.endswith(_MARK) for row, _ in rows for cell in row[1:])
+    return head, rows, [f"{_MARK} filled in: the table does not say it"] if is_marked else []
 
 
 def _printed(field: FieldEntry) -> str:
@@ -349,10 +326,6 @@ def _variable(fields: Mapping[str, FieldEntry], home: str, number: int) -> str:
     if not (total := at + offset):
         return variable
     return f"{variable} {'-' if total < 0 else '+'} {_number(abs(total), fields[home]['unit'])}"
-
-
-def _is_marked(rows: Iterable[tuple[tuple[str, ...], bool]]) -> bool:
-    return any(cell.endswith(_MARK) for cells, _ in rows for cell in cells[1:])
 
 
 def _arms(report: InfoReport) -> Iterator[str]:
@@ -417,22 +390,18 @@ def _in_words(key: str, value: object) -> str:
     return f"{_numbers(value if isinstance(value, list | tuple) else [value])} {unit}".rstrip()
 
 
-def _rows(detail: Detail) -> Iterator[tuple[tuple[str, ...], bool]]:
-    """The cells of a line for each field, and whether the table says the value."""
-    for joint in detail["joints"]:
-        for field in joint["fields"]:
-            is_typed = field["from"] == CELL
-            typed = (repr(field["typed"]) if field["typed"] is not None else "") if is_typed else field["from"]
-            cells = (joint["name"], field["field"], _value(field), typed, field["read_in"] or "", field["place"] or "")
-            yield tuple(map(printable, cells)), is_typed
-
-
-def _value(field: FieldEntry) -> str:
-    value, unit = field["value"], field["unit"]
-    if isinstance(value, str):
-        return value
-    degrees = f" ({_numbers([math.degrees(value)])}°{unit.removeprefix('rad')})"
-    return f"{value + 0.0:.9g} {unit}".rstrip() + (degrees if unit in ("rad", "rad/s") and value else "")
+def _field_lines(detail: Detail) -> _Lines:
+    """A line for each field."""
+    lines = list[tuple[list[str], bool]]()
+    for name, field in ((joint["name"], field) for joint in detail["joints"] for field in joint["fields"]):
+        value, unit, is_typed = field["value"], field["unit"], field["from"] == CELL
+        if not isinstance(value, str):
+            degrees = f" ({_numbers([math.degrees(value)])}°{unit.removeprefix('rad')})"
+            value = f"{value + 0.0:.9g} {unit}".rstrip() + (degrees if unit in ("rad", "rad/s") and value else "")
+        typed = (repr(field["typed"]) if field["typed"] is not None else "") if is_typed else field["from"]
+        cells = (name, field["field"], value, typed, field["read_in"] or "", field["place"] or "")
+        lines.append((list(map(printable, cells)), is_typed))
+    return list(HEAD), lines, []
 
 
 def _numbers(values: Iterable[Any], between: str = " ") -> str:

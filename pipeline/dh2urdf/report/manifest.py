@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import platform
 import shlex
-from dataclasses import fields, is_dataclass
+from dataclasses import asdict, fields, is_dataclass
 from hashlib import file_digest
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -35,9 +35,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.conversion.one_manipulator import Recipe
     from dh2urdf.output.store import Store
-    from dh2urdf.plugin_system.calls import Call
     from dh2urdf.report.overview import Overview
-    from dh2urdf.results import ArmAxes, AxesEntry, InputEntry, OpwEntry, Reproduction, RunReport
+    from dh2urdf.results import ArmAxes, AxesEntry, InputEntry, Reproduction, RunReport
     from dh2urdf.tasks.batch import Batch, Single
     from dh2urdf.tasks.batch_report import BatchReport, Result
     from dh2urdf.variations.variation import VariationCall
@@ -51,10 +50,8 @@ HOW_TO_GET = f"a page with pictures of it, report.html, needs jinja2 and matplot
 """The message where the page cannot be written."""
 REPORTED = 1000
 """Manipulators that the report repeats from the manifest: the first ones; `timing.json` has as many."""
-FULL = 24
-"""Manipulators of a run that is shown in full on the page."""
-EXAMPLES = 6
-"""Manipulators that are shown in full of a longer run: its first ones."""
+FULL, EXAMPLES = 24, 6
+"""Manipulators of a run that is shown in full on the page, and those that are shown of a longer one: its first ones."""
 
 
 def can_write_html() -> bool:
@@ -63,37 +60,19 @@ def can_write_html() -> bool:
 
 
 class ManifestWriter:
-    """The manifest of a run on its way.
-
-    Args:
-        rows: an empty file.
-        place: where the manifest will be, which errors name.
-        told: what is needed to do the run again.
-        verdicts: gathers what simulators say; None where none is asked.
-
-    Attributes:
-        rows: the manifest, open to write and to read.
-        reproduction: what is needed to do the run again.
-        verdicts: what simulators say.
-        index: what failed, and why.
-        axes: what the axes of the tables of its first manipulators declare; none of a table that could not be read.
-    """
+    """The manifest of a run on its way: `rows` is an empty file, and `place` where the manifest will be, for errors."""
 
     def __init__(self, rows: BinaryIO, place: str, told: Reproduction, verdicts: Verdicts | None = None) -> None:
         self.rows, self.reproduction = rows, told
-        self.verdicts = verdicts or Verdicts({})
+        self.verdicts = verdicts or Verdicts({})  # what simulators say
         self.index = FailureIndex()
-        self.axes: list[ArmAxes] = []
+        self.axes: list[ArmAxes] = []  # what the axes of the first tables declare that could be read
         self._place = place
         self._axes_left = REPORTED
         self._first: list[Single] = []
 
     def add(self, report: BatchReport) -> None:
-        """Add the rows of a batch.
-
-        Raises:
-            OutputError: they cannot be written.
-        """
+        """Add the rows of a batch."""
         with reporting_os_errors(self._place):
             write_all(self.rows.fileno(), report.rows)
 
@@ -101,14 +80,14 @@ class ManifestWriter:
         """Keep what is in a batch, and the axes of its tables; batches come in the order of the run."""
         self._first += batch.begin(FULL - len(self._first))
         groups, singles = batch.first_groups(self._axes_left)
-        found: list[tuple[int, tuple[str, ...], AxesEntry]] = [
-            (place, arms, axes_entry(table)) for place, what in singles.items() for arms, table in tables_of(what)
+        found: list[tuple[int, tuple[str, ...], KinematicFacts]] = [
+            (place, arms, kinematic_facts(table)) for place, what in singles.items() for arms, table in tables_of(what)
         ]
         for places, tables in groups:
-            facts = map(_entry, kinematic_facts_of_columns(tables))
-            found += [(place, (), entry) for place, entry in zip(places, facts, strict=True)]
-        for place, arms, entry in sorted(found, key=lambda each: each[0]):
-            self.axes.append({"name": batch.names[place], "arms": list(arms), **entry})
+            its = kinematic_facts_of_columns(tables)
+            found += [(place, (), facts) for place, facts in zip(places, its, strict=True)]
+        for place, arms, facts in sorted(found, key=lambda each: each[0]):
+            self.axes.append({"name": batch.names[place], "arms": list(arms), **axes_entry(facts)})
         self._axes_left = max(0, self._axes_left - len(batch))
 
     def shown(self, count: int) -> list[Single]:
@@ -124,16 +103,11 @@ def tables_of(what: object) -> list[tuple[tuple[str, ...], Manipulator]]:
     return [((), what)] if isinstance(what, Manipulator) else []
 
 
-def axes_entry(manipulator: Manipulator) -> AxesEntry:
-    """What the axes of a table declare about its kinematics [m, rad]."""
-    return _entry(kinematic_facts(manipulator))
-
-
-def _entry(facts: KinematicFacts) -> AxesEntry:
-    opw: OpwEntry | None = None
-    if (found := facts.opw) is not None:
-        values: Any = {name: getattr(found, name) for name in ("a1", "a2", "b", "c1", "c2", "c3", "c4")}
-        opw = values | {"offsets": list(found.offsets), "signs": list(found.signs)}
+def axes_entry(facts: KinematicFacts) -> AxesEntry:
+    """What the axes of a table declare about its kinematics, as plain data [m, rad]."""
+    opw: Any = None
+    if facts.opw is not None:
+        opw = asdict(facts.opw) | {"offsets": list(facts.opw.offsets), "signs": list(facts.opw.signs)}
     parallel = [list(names) for names in facts.parallel]
     return {"parallel": parallel, "spherical_wrist": list(facts.spherical_wrist), "opw": opw}
 
@@ -157,20 +131,9 @@ def run_report(manifest: ManifestWriter, result: Result) -> RunReport:
 def write_reports(
     store: Store, manifest: ManifestWriter, result: Result, table: Path | None, overview: Overview | None = None
 ) -> RunReport:
-    """Write `index.json`, `report.json` and, where pyarrow is installed, `manifest.parquet`.
+    """Write `index.json`, `report.json` and, where pyarrow is installed, `manifest.parquet`; the report as plain data.
 
-    Args:
-        store: where they go.
-        manifest: the manifest, with all of its rows.
-        result: what became of the run.
-        table: a name for the temporary file of the table.
-        overview: gathers what the page for people says, where there will be one.
-
-    Returns:
-        The report as plain data.
-
-    Raises:
-        OutputError: they cannot be written.
+    `table` is a name for the temporary file of the table; `overview` gathers what a page for people says.
     """
     columns = ManifestTable() if table and can_write_parquet() else None
     gathering: list[Any] = [each for each in (manifest.index, manifest.verdicts, overview, columns) if each]
@@ -191,11 +154,7 @@ def write_reports(
 
 
 def write_timing(store: Store, result: Result) -> None:
-    """Write `timing.json`: how long the run and its steps took, added up over all its workers [s].
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write `timing.json`: how long the run and its steps took, added up over all its workers [s]."""
     steps = dict(result.seconds)
     total = steps.pop("total", 0.0)
     rate = result.made / total if total else None
@@ -226,20 +185,13 @@ def command_line(path: Path, overrides: Sequence[str]) -> str:
 def reproduction(
     command: str | None, files: Iterable[Path], recipe: Recipe, variations: Iterable[VariationCall]
 ) -> Reproduction:
-    """What is to be known of a run besides what became of it.
-
-    Args:
-        command: the command line; None where the run was begun by a program.
-        files: the run file and the tables; they are read once more, for their hashes.
-        recipe: what is done with every manipulator.
-        variations: what is drawn.
-    """
+    """What is to be known of a run besides what became of it; the files are read once more, for their hashes."""
     paths = list(files)
     distributions = {call.plugin.distribution.rpartition(" ")[::2] for call in recipe.calls if call.plugin}
     names = ("name", "of", "count", "seed", "sampling")
-    drawn: list[Any] = [{name: _plain(getattr(call, name)) for name in names} for call in variations]
+    drawn: list[Any] = [{name: plain(getattr(call, name)) for name in names} for call in variations]
     stages: Any = [
-        {"kind": call.kind, "stage": call.stage.name, "options": plain_options(call)} for call in recipe.calls
+        {"kind": call.kind, "stage": call.stage.name, "options": plain(call.options)} for call in recipe.calls
     ]
     return {
         "command": command,
@@ -258,21 +210,16 @@ def reproduction(
     }
 
 
-def plain_options(call: Call[Any]) -> dict[str, Any]:
-    """The options of a stage as plain data, as a run file gives them."""
-    options: dict[str, Any] = _plain(call.options)
-    return options
-
-
-def _plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
+def plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
+    """Options of a stage, or one of them, as plain data, as a run file gives them."""
     if value is None or type(value) in (bool, int, str) or (isinstance(value, float) and math.isfinite(value)):
         return value
     if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     if isinstance(value, dict):
-        return {str(key): _plain(entry) for key, entry in value.items()}
+        return {str(key): plain(entry) for key, entry in value.items()}
     if is_dataclass(value):
-        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
     return str(value)
 
 

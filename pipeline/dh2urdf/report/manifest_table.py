@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    import pyarrow as pa
-
     from dh2urdf.conversion.outcome import ManifestRow
 
 ROW_GROUP = 10_000
@@ -96,10 +94,7 @@ class ManifestTable:
         self._kinds: dict[str, type] = {}
 
     def add(self, row: ManifestRow) -> None:
-        """Note the columns of a row that not all runs have: their names, in the order of their first values, and types.
-
-        They hold truth values, numbers, text, lists of text, or values of several types, which become text.
-        """
+        """Note the columns of a row that not all runs have, with their types; values of several types become text."""
         for name, value in _of_some_runs(row):
             if value is not None:
                 kind = float if type(value) is int else type(value)
@@ -107,40 +102,12 @@ class ManifestTable:
                     self._kinds[name] = object
 
     def write(self, path: Path, manifest: BinaryIO) -> None:
-        """Write the file.
-
-        Args:
-            path: the file.
-            manifest: the rows, each of which was added.
-
-        Raises:
-            OSError: it cannot be written.
-            MissingDependencyError: pyarrow is installed and cannot be imported.
-        """
+        """Write the file of the rows of a manifest, each of which was added."""
         try:
+            import pyarrow as pa
             from pyarrow import json, parquet
         except ImportError as error:
             raise MissingDependencyError("manifest.parquet", "pyarrow", "dh2urdf[parquet]", error) from error
-
-        schema = self._schema()
-        mixed = [name for name, kind in self._kinds.items() if kind is object]
-        manifest.seek(0)
-        with parquet.ParquetWriter(path, schema, use_dictionary=_REPEATED) as writer:
-            while rows := [_flat(orjson.loads(line)) for line in islice(manifest, ROW_GROUP)]:
-                for row in rows if mixed else ():
-                    row |= {name: str(row[name]) for name in mixed if row.get(name) is not None}
-                # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas: 0.2 s.
-                data = b"\n".join(map(orjson.dumps, rows))
-                columns = json.read_json(
-                    io.BytesIO(data),
-                    json.ReadOptions(use_threads=False, block_size=len(data) + 1),
-                    json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
-                )
-                writer.write_table(columns, ROW_GROUP)
-
-    def _schema(self) -> pa.Schema:
-        """The columns and their types."""
-        import pyarrow as pa
 
         text, number, texts = pa.string(), pa.float64(), pa.list_(pa.string())
         kinds = {bool: pa.bool_(), float: number, str: text, object: text, list: texts}
@@ -156,4 +123,18 @@ class ManifestTable:
         }
         for some in ("drawn.", "loaders."):
             types |= {name: kinds[kind] for name, kind in self._kinds.items() if name.startswith(some)}
-        return pa.schema(types)
+        schema = pa.schema(types)
+        mixed = [name for name, kind in self._kinds.items() if kind is object]
+        manifest.seek(0)
+        with parquet.ParquetWriter(path, schema, use_dictionary=_REPEATED) as writer:
+            while rows := [_flat(orjson.loads(line)) for line in islice(manifest, ROW_GROUP)]:
+                for row in rows if mixed else ():
+                    row |= {name: str(row[name]) for name in mixed if row.get(name) is not None}
+                # Unlike what it is given as Python's lists, pyarrow reads JSON without importing pandas: 0.2 s.
+                data = b"\n".join(map(orjson.dumps, rows))
+                columns = json.read_json(
+                    io.BytesIO(data),
+                    json.ReadOptions(use_threads=False, block_size=len(data) + 1),
+                    json.ParseOptions(explicit_schema=schema, unexpected_field_behavior="ignore"),
+                )
+                writer.write_table(columns, ROW_GROUP)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.manipulator import JointType
+from dh2urdf.report.conversions import counted
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import printable
@@ -22,7 +23,7 @@ from dh2urdf.source import printable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from dh2urdf.manipulator import Limits, Manipulator
+    from dh2urdf.manipulator import Manipulator
 
 MOST_ROWS = 200
 """Rows of a table that are shown; a table is as high as fifteen of them, and scrolls."""
@@ -32,7 +33,7 @@ _LIMITS = ("lower [rad, m]", "upper [rad, m]")
 def manipulator_html(manipulator: Manipulator) -> str:
     """The DH table of a manipulator, with its convention, base and tool, in m and rad, angles also in degrees."""
     count = len(manipulator.rows)
-    facts = [f"{manipulator.convention} convention", f"{count} row{'s' if count != 1 else ''}"]
+    facts = [f"{manipulator.convention} convention", counted(count, "row")]
     for name, frame in (("base", manipulator.base), ("tool", manipulator.tool)):
         if frame != IDENTITY:
             facts.append(f"{name} xyz {_vector(frame.translation)} m, rpy {_vector(frame.rpy)} rad")
@@ -50,7 +51,8 @@ def manipulator_html(manipulator: Manipulator) -> str:
             _value(row.theta),
             _value(row.offset, row.type),
             str(row.sign),
-            *_limits(row.limits, row.type),
+            _value(row.limits.lower, row.type),
+            _value(row.limits.upper, row.type),
         ]
         for number, row in enumerate(manipulator.rows[:MOST_ROWS], 1)
     ]
@@ -60,7 +62,7 @@ def manipulator_html(manipulator: Manipulator) -> str:
 def robot_html(robot: Robot) -> str:
     """The joints of a robot, with their links, origins and limits, in m and rad, angles also in degrees."""
     moving = len(robot.moving_joints)
-    facts = [f"{len(robot.links)} links", f"{moving} moving joint{'s' if moving != 1 else ''}"]
+    facts = [f"{len(robot.links)} links", counted(moving, "moving joint")]
     facts += [f"{_number(robot.mass)} kg", f"root {_text(robot.root)}"]
     head = ("joint", "type", "parent", "child", "xyz [m]", "rpy [rad]", "axis", *_LIMITS, "child's mass [kg]")
     masses = {link.name: link.inertial.mass for link in robot.links if link.inertial}
@@ -68,7 +70,8 @@ def robot_html(robot: Robot) -> str:
     for joint in robot.joints[:MOST_ROWS]:
         motion = ["", "", ""]
         if joint.type is not JointType.FIXED:
-            motion = [_vector(joint.axis), *_limits(joint.limits, joint.type)]
+            ends = [_value(end, joint.type) for end in (joint.limits.lower, joint.limits.upper)]
+            motion = [_vector(joint.axis), *ends]
         mass = _number(masses[joint.child]) if masses.get(joint.child) else ""
         names = [_text(joint.name), joint.type, _text(joint.parent), _text(joint.child)]
         rows.append([*names, _vector(joint.origin.xyz), _vector(joint.origin.rpy), *motion, mass])
@@ -117,10 +120,6 @@ def _value(value: float | None, kind: JointType = JointType.REVOLUTE) -> str:
     if kind is JointType.PRISMATIC:
         return f"{_number(value)} <small>m</small>"
     return f"{_number(value)} <small>{_number(math.degrees(value))}°</small>" if value else "0"
-
-
-def _limits(limits: Limits, kind: JointType) -> list[str]:
-    return [_value(limits.lower, kind), _value(limits.upper, kind)]
 
 
 def _vector(values: Iterable[float]) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from dh2urdf.columns import SI_UNITS
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
+from dh2urdf.report.verdicts import holds_still
 from dh2urdf.variations.variation import FIELDS
 
 if TYPE_CHECKING:
@@ -31,23 +32,17 @@ _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]
 
 
 class Check(NamedTuple):
-    """How one file or simulator of a manipulator agrees with the DH product.
+    """How a file of an emitter, or a loader's simulator, agrees with the DH product.
 
-    Attributes:
-        name: of the emitter or loader.
-        is_simulator: which of them.
-        facts: the proof or the loader's report; None where the file was not looked at.
-        position_error: the largest position error [m].
-        angle_tolerance: what the angle error may be [rad].
-        verdict: ``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise
-            more; of a simulator that gave no report ``refused`` or ``not installed``.
+    The verdict is ``same arm``, ``other arm``, ``not measured``, or ``differs`` where the transform does not promise
+    more; of a simulator that gave no report ``refused`` or ``not installed``.
     """
 
     name: str
     is_simulator: bool
-    facts: Any
-    position_error: float | None
-    angle_tolerance: float | None
+    facts: Any  # the proof or the loader's report; None where the file was not looked at
+    position_error: float | None  # the largest one [m]
+    angle_tolerance: float | None  # [rad]
     verdict: str
 
 
@@ -70,19 +65,12 @@ def checks(row: ManipulatorEntry) -> Iterator[Check]:
 
 @dataclass(slots=True)
 class Errors:
-    """The position errors that one emitter's files or one simulator had in a run.
+    """The position errors that one emitter's files or one simulator had in a run."""
 
-    Attributes:
-        simulator: the simulator's name and version; empty of an emitter.
-        measured: how many manipulators were looked at.
-        largest: the largest error [m].
-        counts: how many errors there are, by their half powers of ten.
-    """
-
-    simulator: str = ""
-    measured: int = 0
-    largest: float = 0.0
-    counts: Counter[int] = field(default_factory=Counter)
+    simulator: str = ""  # its name and version; empty of an emitter
+    measured: int = 0  # how many manipulators were looked at
+    largest: float = 0.0  # [m]
+    counts: Counter[int] = field(default_factory=Counter)  # of errors, by their half powers of ten
 
     def add(self, check: Check) -> None:
         """Add what is known of one manipulator."""
@@ -96,30 +84,17 @@ class Errors:
 
 
 class Overview:
-    """Findings about a whole run.
+    """Findings about a whole run, and its first rows, as many as are asked for.
 
     Of a long run it keeps what was drawn for a random sample only, which is the same each time.
-
-    Args:
-        most: how many of the first rows to keep.
-
-    Attributes:
-        count: how many manipulators there are.
-        statuses: how many are ok, failed or skipped.
-        first: the rows of the first ones.
-        errors: position errors by emitter and loader.
-        drawn: the fields that were drawn, such as ``a_2``.
-        files: how many files were written.
-        size: and how long they are [B].
-        remarks: notices and findings.
     """
 
     def __init__(self, most: int) -> None:
-        self.count = self.files = self.size = self.remarks = 0
+        self.count = self.files = self.size = self.remarks = 0  # manipulators, files, their bytes, notices and findings
         self.statuses: Counter[str] = Counter()
         self.first: list[ManipulatorEntry] = []
-        self.errors: dict[str, Errors] = {}
-        self.drawn: list[str] = []
+        self.errors: dict[str, Errors] = {}  # by emitter and loader
+        self.drawn: list[str] = []  # the fields that were drawn, such as ``a_2``
         self._most = most
         self._sample: list[tuple[DrawnValue | None, ...]] = []
         self._random = random.Random(0)  # noqa: S311 - nothing depends on it but a drawing
@@ -150,24 +125,12 @@ class Overview:
                 self._sample[place : place + 1] = [tuple(drawn.get(key) for key in self.drawn)]
         entries = self._failed if row["status"] == "failed" else self._others
         if len(entries) < LISTED:
-            entries.append(self._entry(row, found, remarks))
-
-    def _entry(self, row: ManipulatorEntry, found: list[Check], remarks: int) -> dict[str, Any]:
-        """A line of the table of all manipulators."""
-        told = row["errors"][0]["message"] if row["errors"] else ""
-        stays = [load["hold"]["stayed"] for load in row["loaders"].values() if "stayed" in load["hold"]]
-        return {
-            "number": self.count,
-            "name": row["name"],
-            "status": row["status"],
-            "source": row["source"],
-            "reason": f"{row['kind']}: {told}" if row["kind"] else told,
-            "errors": {check.name: check.position_error for check in found},
-            "verdicts": {name: load["verdict"] for name, load in row["loaders"].items()} | row.get("not_loaded", {}),
-            "stays": all(stays) if stays else None,
-            "remarks": remarks,
-            "drawn": {key: row["drawn"][key] for key in self.drawn if key in row["drawn"]},
-        }
+            told = {
+                "errors": {check.name: check.position_error for check in found},
+                "remarks": remarks,
+                "stays": holds_still(row),
+            }
+            entries.append({"number": self.count, "row": row, **told})
 
     @property
     def sampled(self) -> int:

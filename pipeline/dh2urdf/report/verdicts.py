@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.source import Mark
@@ -23,10 +22,8 @@ MOST_NOTICES = 200
 _COUNTS = ("of", "passed", "failed", "missing", "not_in_sample", "no_file")
 _SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
 
-MAX_REASONS = 100
-"""Reasons of one kind of failure that the index tells apart."""
-MAX_NAMES = 1000
-"""Names of one kind of failure that the index lists."""
+MAX_REASONS, MAX_NAMES = 100, 1000
+"""Reasons of one kind of failure that the index tells apart, and names that it lists."""
 LONGEST_REASON = 300
 """Characters of a reason; of a longer one the beginning counts."""
 
@@ -36,17 +33,11 @@ _NUMBERS = re.compile(r"#(?:, #)+")
 
 
 class Verdicts:
-    """Gathers what loaders say while the rows of the manifest pass by.
-
-    Args:
-        loaders: the loaders that the run names, and whether each is optional.
-
-    Attributes:
-        coverage: how many manipulators each loader was given, and what came of it.
-    """
+    """Gathers what the loaders of a run say, each optional or not, while the rows of the manifest pass by."""
 
     def __init__(self, loaders: Mapping[str, bool]) -> None:
         none: Any = {"simulator": None, **dict.fromkeys(_COUNTS, 0)}
+        # How many manipulators each loader was given, and what came of it.
         self.coverage: dict[str, CoverageEntry] = {
             name: none | {"optional": optional} for name, optional in loaders.items()
         }
@@ -97,6 +88,12 @@ def alike(message: str) -> str:
     return _SEVERAL.sub("…", pattern(message))
 
 
+def holds_still(row: ManipulatorEntry) -> bool | None:
+    """Whether an arm stayed in place in every simulator that looked; None where none did."""
+    stays = [load["hold"]["stayed"] for load in row["loaders"].values() if "stayed" in load["hold"]]
+    return all(stays) if stays else None
+
+
 def coverage_line(coverage: Mapping[str, CoverageEntry]) -> str:
     """How many manipulators each simulator was given, in one line: ``drake 104 of 287 (sample)``."""
     return ", ".join(f"{name} {covered(entry)}" for name, entry in coverage.items())
@@ -126,37 +123,27 @@ def notice_line(notice: SimulatorNotice) -> str:
 # --- What failed ------------------------------------------------------------------------------------------------------
 
 
-@dataclass(slots=True)
-class _Failures:
-    """The failures of one kind: the first names; of each reason how often it was given, and the first message."""
-
-    count: int = 0
-    names: list[str] = field(default_factory=list)
-    reasons: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, str] = field(default_factory=dict)
-
-
 class FailureIndex:
     """What failed in a run, and why, by kind: gathered while the rows of its manifest pass by."""
 
     def __init__(self) -> None:
         self._statuses: Counter[str] = Counter()
-        self._failures: dict[str, _Failures] = {}
+        self._kinds: Counter[str] = Counter()
+        self._names: dict[str, list[str]] = {}
+        self._reasons: dict[str, dict[str, dict[str, Any]]] = {}
 
     def add(self, row: ManipulatorEntry) -> None:
         """Take one row of the manifest."""
         self._statuses[row["status"]] += 1
         if row["status"] != "failed":
             return
-        message = row["errors"][0]["message"] if row["errors"] else ""
-        found = self._failures.setdefault(row["kind"] or "", _Failures())
-        found.count += 1
-        if len(found.names) < MAX_NAMES:
-            found.names.append(row["name"])
-        reason = pattern(message)
-        if reason in found.reasons or len(found.reasons) < MAX_REASONS:
-            found.reasons[reason] += 1
-            found.examples.setdefault(reason, message)
+        message, kind = row["errors"][0]["message"] if row["errors"] else "", row["kind"] or ""
+        self._kinds[kind] += 1
+        if len(names := self._names.setdefault(kind, [])) < MAX_NAMES:
+            names.append(row["name"])
+        reasons, reason = self._reasons.setdefault(kind, {}), pattern(message)
+        if reason in reasons or len(reasons) < MAX_REASONS:
+            reasons.setdefault(reason, {"count": 0, "pattern": reason, "example": message})["count"] += 1
 
     def as_json(self) -> dict[str, Any]:
         """Return the index as plain data, the commonest kinds and reasons first.
@@ -173,24 +160,17 @@ class FailureIndex:
                 "other_reasons": 0,                   manipulators with reasons beyond these
                 "names": ["robot_17", …]}, …}}        at most 1,000, in the order of the run
         """
-        kinds = sorted(self._failures.items(), key=lambda item: -item[1].count)
-        return {
+        failures = {}
+        for kind, count in self._kinds.most_common():
+            reasons = sorted(self._reasons[kind].values(), key=lambda reason: -reason["count"])
+            others = count - sum(reason["count"] for reason in reasons)
+            failures[kind] = {"count": count, "reasons": reasons, "other_reasons": others, "names": self._names[kind]}
+        counts = {
             "manipulators": self._statuses.total(),
             "ok": self._statuses["ok"],
             "failed": self._statuses["failed"],
-            "failures": {
-                kind: {
-                    "count": found.count,
-                    "reasons": [
-                        {"count": count, "pattern": reason, "example": found.examples[reason]}
-                        for reason, count in found.reasons.most_common()
-                    ],
-                    "other_reasons": found.count - found.reasons.total(),
-                    "names": found.names,
-                }
-                for kind, found in kinds
-            },
         }
+        return {**counts, "failures": failures}
 
 
 def pattern(message: str) -> str:

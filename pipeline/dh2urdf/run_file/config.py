@@ -55,62 +55,37 @@ LIKELY_BYTES = 2**20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StageCall:
-    """A stage as a run file asks for it.
+    """A stage as a run file asks for it; `dh2urdf.plugin_system.options.make_options` checks its options."""
 
-    Attributes:
-        stage: its name; None for the usual one of its kind.
-        options: its options as they are written; `dh2urdf.plugin_system.options.make_options` checks them.
-        mark: where the stage is named.
-        optional: of a loader, whether what it refuses is a notice and fails nothing.
-        time_limit: of an executor, how long one manipulator may take, simulators aside [s].
-    """
-
-    stage: str | None = None
+    stage: str | None = None  # None is the usual one of its kind
     options: Node | None = None
     mark: Mark | None = None
-    optional: bool = False
-    time_limit: float = DEFAULT_TIME_LIMIT
+    optional: bool = False  # of a loader: whether what it refuses is a notice and fails nothing
+    time_limit: float = DEFAULT_TIME_LIMIT  # of an executor: for one manipulator, simulators aside [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InputCall(StageCall):
-    """Files that one reader reads with the same options; without its name each file's suffix says it.
+    """Files that one reader reads with the same options; without its name each file's suffix says it."""
 
-    Attributes:
-        paths: the files, in the order of their names where they come from a pattern.
-        notices: the findings about the pattern.
-        pattern: what matches the files; None where a path names one.
-    """
-
-    paths: tuple[Path, ...]
-    notices: tuple[Problem, ...] = ()
-    pattern: str | None = None
+    paths: tuple[Path, ...]  # in the order of their names where they come from a pattern
+    notices: tuple[Problem, ...] = ()  # the findings about the pattern
+    pattern: str | None = None  # what matches the files; None where a path names one
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputSection:
-    """Where the output goes, and how it lies there.
+    """Where the output goes, and how it lies there."""
 
-    Attributes:
-        directory: a folder, or an address such as ``s3://bucket/prefix``; None for ``build/`` beside the run file.
-        mesh_prefix: what descriptions write before the name of a copied mesh; None where none is copied.
-    """
-
-    directory: Path | str | None = None
+    directory: Path | str | None = None  # a folder or an address; None is ``build/`` beside the run file
     layout: Layout = Layout()
-    mesh_prefix: str | None = prefix_of(RELATIVE)
+    mesh_prefix: str | None = prefix_of(RELATIVE)  # before the name of a copied mesh; None where none is copied
     mesh_conversion: MeshConversion = MeshConversion.NEVER
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunConfig:
-    """A run file; each section is an attribute.
-
-    Attributes:
-        report_directory: where report, manifest and index go, where the file names a place.
-        folder: the folder of the run file, which paths in options of stages are relative to.
-        problems: what is wrong with the file; nothing may start while there is any.
-    """
+    """A run file; each section is an attribute."""
 
     inputs: tuple[InputCall, ...] = ()
     transform: StageCall = field(default_factory=StageCall)
@@ -125,9 +100,9 @@ class RunConfig:
     proof: ProofSection = ProofSection()
     sample: Sample = DEFAULT_SAMPLE
     report: ReportSection = ReportSection()
-    report_directory: Path | str | None = None
-    folder: Path = Path()
-    problems: tuple[Problem, ...] = ()
+    report_directory: Path | str | None = None  # where report, manifest and index go
+    folder: Path = Path()  # the folder of the run file, which paths in options of stages are relative to
+    problems: tuple[Problem, ...] = ()  # what is wrong with the file; nothing may start while there is any
 
     def written_to(self, directory: Path | str) -> RunConfig:
         """The same with another place for its output."""
@@ -144,11 +119,7 @@ def is_run_file(path: Path) -> bool:
 
 
 def refuse_table(path: Path, catalog: Catalog) -> None:
-    """Refuses a table where a run file is expected: a file that only readers take, or that can be read as it is.
-
-    Raises:
-        ConfigError: the file is surely a table.
-    """
+    """Refuses a table where a run file is expected: a file that only readers take, or that can be read as it is."""
     is_table = False
     with suppress(Exception):  # Whatever it is instead, it is no table.
         reader = catalog.reader_for(path)
@@ -166,10 +137,7 @@ def load_config(
     """A run file with changes from the command line, as ``--set`` takes them: ``transform.options.frames=dh``.
 
     `root` is what the run file says, where it is not in the file, and `asked` where the changes are given.
-    `RunConfig.problems` says what is wrong with its structure.
-
-    Raises:
-        ConfigError: the file cannot be read, is not a YAML mapping, or has nothing of a run file.
+    `RunConfig.problems` says what is wrong with its structure; a ConfigError is raised for what is no run file.
     """
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
@@ -204,9 +172,7 @@ def _config(root: Node, to: Reading) -> RunConfig:
         to.note("no-inputs", given["inputs"], "inputs")
     if not entries["emitters"]:
         to.note("no-emitters", given["emitters"], "emitters")
-    proof = to.record(ProofSection, given["proof"], "proof") or ProofSection()
     sample = to.record(keys.SampleSection, given["sample"], "sample") or keys.SampleSection()
-    report = to.record(ReportSection, given["report"], "report") or ReportSection()
     return RunConfig(
         inputs=tuple(each for each in inputs if each),
         transform=_stage(keys.StageSection, given["transform"], "transform", to) or StageCall(),
@@ -218,9 +184,9 @@ def _config(root: Node, to: Reading) -> RunConfig:
         cells=read_cells(entries["cells"], to),
         variations=read_variations(entries["variations"], to),
         meshes=read_meshes(entries["meshes"], to),
-        proof=proof,
+        proof=to.record(ProofSection, given["proof"], "proof") or ProofSection(),
         sample=Sample(first=sample.first, every=sample.every),
-        report=report,
+        report=to.record(ReportSection, given["report"], "report") or ReportSection(),
         report_directory=to.directory(given["report"].entry("directory"), "report.directory"),
     )
 
@@ -260,20 +226,19 @@ def _input(node: Node, field: str, to: Reading) -> InputCall | None:
 
 
 def _output(node: Node, to: Reading) -> OutputSection:
-    given = to.record(keys.OutputKeys, node, "output")
-    directory = to.directory(node.entry("directory"), "output.directory")
-    if given is None:
-        return OutputSection(directory=directory)
+    output = OutputSection(directory=to.directory(node.entry("directory"), "output.directory"))
+    if (given := to.record(keys.OutputKeys, node, "output")) is None:
+        return output
     meshes = node.entry("meshes") or node
     if given.layout is Form.FILES and (size := node.entry("size")):
         to.note("size-without-folders", size, "output.size", layouts=[Form.FOLDERS, Form.SHARDS])
     with to.noting(meshes.entry("names") or meshes, "output.meshes.names"):
         prefix = prefix_of(given.meshes.names)
         with to.noting(meshes.entry("convert") or meshes, "output.meshes.convert"):
-            return OutputSection(
-                directory=directory,
+            return replace(
+                output,
                 layout=Layout(form=given.layout, size=given.size),
                 mesh_prefix=prefix_of(given.meshes.names, in_folders=given.layout is Form.FOLDERS),
                 mesh_conversion=conversion_of(given.meshes.convert, prefix),
             )
-    return OutputSection(directory=directory)
+    return output

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.cells.cell import SHOWN_NAMES
 from dh2urdf.manipulator import Manipulator, MeshShape
@@ -54,24 +54,15 @@ class MeshCall:
     def given_to(self, manipulator: Manipulator) -> Manipulator | Rejected:
         """A manipulator with these meshes; why not, where it has no such joint."""
         names = [row.joint for row in manipulator.rows]
-        problems = [
-            say(
-                "mesh-joint-unknown",
-                shapes.mark,
-                robot=manipulator.name,
-                field="meshes",
-                found=joint,
-                table=manipulator.name,
-                names=names[:SHOWN_NAMES],
-                suggestion=did_you_mean(joint, names),
-            )
-            for joint, shapes in self.joints
-            if joint not in names
-        ]
+        problems = []
+        for joint, shapes in self.joints:
+            if joint not in names:
+                about: Any = {"robot": manipulator.name, "field": "meshes", "found": joint, "table": manipulator.name}
+                about |= {"names": names[:SHOWN_NAMES], "suggestion": did_you_mean(joint, names)}
+                problems.append(say("mesh-joint-unknown", shapes.mark, **about))
         if problems:
-            return Rejected(
-                name=manipulator.name, problems=tuple(problems), mark=self.mark, notices=manipulator.notices
-            )
+            told = {"problems": tuple(problems), "notices": manipulator.notices}
+            return Rejected(name=manipulator.name, mark=self.mark, **told)
         shapes_of = dict(self.joints)
         rows = []
         for row in manipulator.rows:

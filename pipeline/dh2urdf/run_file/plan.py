@@ -28,46 +28,28 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.run_file.config import InputCall, RunConfig, StageCall
     from dh2urdf.source import Mark
-    from dh2urdf.stages import Emitter
 
 say = Messages(__file__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """A run file whose stages and options are all resolved.
-
-    Attributes:
-        inputs: files with the reader of each.
-        input_notices: the findings about inputs before they are read, by path.
-        recipe: what is done with every manipulator.
-        key: the recipe's, by which a later run knows files that are still right.
-        store: where the output goes.
-        reports: where the files about the run go, where that is another place.
-        layout: under which names.
-        executor: does the work.
-        cells: robots of several of the manipulators, made when all have been read.
-        variations: manipulators drawn from others, made at the end.
-        html: whether to write a page for people, where its packages are installed.
-        meshes: mesh files that links are drawn and touched as.
-        files: what the run reads besides: its run file.
-        command: the command that makes the same files; None where a program began the run.
-    """
+    """A run file whose stages and options are all resolved."""
 
     inputs: tuple[tuple[Path, Call[Reader[Any]]], ...]
-    recipe: Recipe
-    key: str
-    store: Store
-    layout: Layout
+    recipe: Recipe  # what is done with every manipulator
+    key: str  # the recipe's, by which a later run knows files that are still right
+    store: Store  # where the output goes
+    layout: Layout  # under which names
     executor: Call[Executor[Any]]
-    cells: tuple[CellCall, ...] = ()
-    variations: tuple[VariationCall, ...] = ()
-    html: bool = True
+    cells: tuple[CellCall, ...] = ()  # made when all manipulators have been read
+    variations: tuple[VariationCall, ...] = ()  # made at the end
+    html: bool = True  # whether to write a page for people, where its packages are installed
     meshes: tuple[MeshCall, ...] = ()
-    files: tuple[Path, ...] = ()
-    command: str | None = None
-    input_notices: Mapping[Path, Problem] = field(default_factory=dict)
-    reports: Store | None = None
+    files: tuple[Path, ...] = ()  # what the run reads besides: its run file
+    command: str | None = None  # what makes the same files; None where a program began the run
+    input_notices: Mapping[Path, Problem] = field(default_factory=dict)  # of inputs before they are read
+    reports: Store | None = None  # where the files about the run go, where that is another place
 
     @property
     def report_store(self) -> Store:
@@ -76,11 +58,7 @@ class Plan:
 
 
 def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
-    """Resolve every stage and every option of a run file, before anything is read or written.
-
-    Raises:
-        ConfigError: something in the run file is wrong; all problems are reported at once.
-    """
+    """Resolve every stage and every option of a run file; all that is wrong is reported at once, in a ConfigError."""
     asked = _Stages(catalog, config.problems, config.folder)
     inputs = asked.readers(config.inputs)
     transform = asked.call("transform", config.transform)
@@ -116,11 +94,17 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     require(executor)
     for variation in config.variations:
         sampling.require(variation.sampling)
+    output = config.output.directory or Path()
+    reports = config.report_directory or output
+    if config.report_directory is None and all(call.stage.can(WritesFolders) for call in recipe.emitters):
+        # Folders of packages, and nothing else, are where the output goes.
+        beside = f"{str(output).rstrip('/')}_report"
+        reports = beside if isinstance(output, str) else Path(beside)
     return Plan(
         inputs=inputs,
         recipe=recipe,
         key=recipe_key(recipe),
-        store=open_store(config.output.directory or Path()),
+        store=open_store(output),
         layout=config.output.layout,
         executor=executor,
         cells=config.cells,
@@ -128,19 +112,8 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         html=config.report.html,
         meshes=config.meshes,
         input_notices=asked.notices,
-        reports=_reports(config, emitters),
+        reports=None if str(reports) == str(output) else open_store(reports),
     )
-
-
-def _reports(config: RunConfig, emitters: Sequence[Call[Emitter[Any]] | None]) -> Store | None:
-    """Where the files about a run go: beside the output, where that holds folders of packages and nothing else."""
-    asked, output = config.report_directory, config.output.directory
-    if asked is not None:
-        return None if str(asked) == str(output) else open_store(asked)
-    if emitters and all(call is not None and call.stage.can(WritesFolders) for call in emitters):
-        place = f"{str(output).rstrip('/')}_report"
-        return open_store(place if isinstance(output, str) else Path(place))
-    return None
 
 
 class _Stages:
@@ -176,10 +149,8 @@ class _Stages:
         first: dict[str, StageCall] = {}
         for given, call in zip(asked, calls, strict=True):
             if call is not None and (other := first.setdefault(call.stage.name, given)) is not given:
-                name, first_mark = call.stage.name, other.mark
-                self.problems.append(
-                    say("stage-twice", given.mark, field=f"{call.kind}s", found=name, kind=call.kind, first=first_mark)
-                )
+                about: dict[str, Any] = {"found": call.stage.name, "kind": call.kind, "first": other.mark}
+                self.problems.append(say("stage-twice", given.mark, field=f"{call.kind}s", **about))
         return calls
 
     def readers(self, inputs: Iterable[InputCall]) -> tuple[tuple[Path, Call[Reader[Any]]], ...]:

@@ -63,18 +63,13 @@ def run_schema(catalog: Catalog) -> JsonSchema:
         _add_stages(entry["anyOf"] if "anyOf" in entry else sections[section]["anyOf"], section, kind, catalog)
         if section in {"transform", "emitters", "execution"}:
             sections[section]["description"] += f"; {usual_name(catalog, kind)} by default"
-    for section, description in sections.items():
-        if section not in schema["required"]:
-            sections[section] = {"anyOf": [description, NULL]}
+    optional = {name: {"anyOf": [each, NULL]} for name, each in sections.items() if name not in schema["required"]}
+    sections |= optional
     return {"$schema": DIALECT, "title": "run file of dh2urdf", **schema, "$defs": options}
 
 
 def table_schema(catalog: Catalog) -> JsonSchema:
-    """The JSON Schema (2020-12) of a table, as the readers that have one give it.
-
-    Raises:
-        ConfigError: no reader has one.
-    """
+    """The JSON Schema (2020-12) of a table, as the readers that have one give it."""
     schemas = {}
     for item in catalog.provided("reader"):
         if its := item.stage.can(HasSchema):
@@ -142,27 +137,26 @@ def _add_stages(forms: list[JsonSchema], section: str, kind: Kind, catalog: Cata
     call = forms[1]
     named = stage_names(catalog, kind)
     own = call["properties"]["stage"].get("description") if kind == "reader" else None
-    stage = {"enum": all_of(named), "description": own or SECTIONS[section].help}
-    call["properties"]["stage"] = stage
-    if kind == "reader":
-        call["allOf"] = []
-        for item in catalog.provided("reader"):
-            by_name = {"properties": {"stage": {"enum": named[item.full_name]}}, "required": ["stage"]}
-            suffixes = "|".join(suffix.replace(".", r"\.") for suffix in getattr(item.stage, "suffixes", ()))
-            by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": {"required": ["stage"]}}
-            condition = {"anyOf": [by_name, by_suffix]} if suffixes else by_name
-            call["allOf"].append(_if_then(condition, f"reader.{named[item.full_name][0]}", named=False))
-        return
-    forms[0] = stage
-    is_named = "required" in call
-    usual = None if is_named else usual_name(catalog, kind)
-    conditions = [
-        _if_then({"properties": {"stage": {"enum": own}}}, f"{kind}.{own[0]}", named=usual not in own)
-        for own in named.values()
-    ]
-    call |= {"allOf": conditions} if conditions else {}
-    if usual is None:
-        call["required"] = ["stage"]
+    # An editor proposes the short names first.
+    names = sorted({name for names in named.values() for name in names}, key=lambda name: (":" in name, name))
+    call["properties"]["stage"] = stage = {"enum": names, "description": own or SECTIONS[section].help}
+    is_needed = {"required": ["stage"]}
+    usual = None if kind == "reader" or "required" in call else usual_name(catalog, kind)
+    conditions: list[JsonSchema] = []
+    for item in catalog.provided(kind):
+        own_names = named[item.full_name]
+        condition: JsonSchema = {"properties": {"stage": {"enum": own_names}}}
+        condition |= {} if usual in own_names else is_needed
+        if suffixes := "|".join(suffix.replace(".", r"\.") for suffix in getattr(item.stage, "suffixes", ())):
+            by_suffix = {"properties": {"path": {"pattern": f"({suffixes})$"}}, "not": is_needed}
+            condition = {"anyOf": [condition, by_suffix]} if kind == "reader" else condition
+        options = {"anyOf": [{"$ref": f"#/$defs/{kind}.{own_names[0]}"}, NULL]}
+        conditions.append({"if": condition, "then": {"properties": {"options": options}}})
+    if conditions or kind == "reader":
+        call["allOf"] = conditions
+    if kind != "reader":
+        forms[0] = stage
+        call |= is_needed if usual is None else {}
 
 
 def stage_names(catalog: Catalog, kind: Kind) -> dict[str, list[str]]:
@@ -180,18 +174,6 @@ def usual_name(catalog: Catalog, kind: Kind) -> str | None:
     with suppress(UnknownStageError):
         return catalog.usual(kind).name
     return None
-
-
-def all_of(named: dict[str, list[str]]) -> list[str]:
-    """All names, the short ones first: what an editor proposes."""
-    return sorted({name for names in named.values() for name in names}, key=lambda name: (":" in name, name))
-
-
-def _if_then(condition: JsonSchema, definition: str, *, named: bool) -> JsonSchema:
-    if named:
-        condition = {**condition, "required": ["stage"]}
-    options = {"anyOf": [{"$ref": f"#/$defs/{definition}"}, NULL]}
-    return {"if": condition, "then": {"properties": {"options": options}}}
 
 
 def _options_schemas(item: Provided, name: str) -> JsonSchema:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
 
 from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
@@ -12,7 +12,7 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
-from dh2urdf.source import Mark, Messages, did_you_mean
+from dh2urdf.source import Messages, did_you_mean
 from dh2urdf.variations.binding import LEAST_PROBABILITY
 from dh2urdf.variations.laws import (
     Choices,
@@ -68,13 +68,17 @@ class _LawReader:
         spaced = law == "grid" and isinstance(node.value, dict)
         if self._about.dimension is None and (spaced or law not in WORD_LAWS):
             raise self._wrong("law-not-of-words", node, what=self._what, law=law, laws=" or ".join(WORD_LAWS))
-        if law in _RANGES:
-            return self._range(node, _RANGES[law])
+        if kind := _RANGES.get(law):
+            bounded = kind in (Uniform, LogUniform)
+            low, high = self._ends(node, Dimension.NUMBER if kind is Scale else None, bounded=bounded)
+            if kind is LogUniform and low <= 0.0:
+                raise self._wrong("log-uniform-below-0", node)
+            return kind(low=low, high=high)
         if law == "normal":
             return self._normal(node)
         if spaced:
             given = self._record(SpacedSection, node)
-            low, high = (self._bounded(node.entry(key) or node) for key in ("from", "to"))
+            low, high = (self._check(end, self._number(end)) for end in map(node.entry, ("from", "to")) if end)
             return Grid(values=evenly_spaced(low, high, given.points))
         if not isinstance(node.value, list) or not node.value:
             accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
@@ -89,10 +93,10 @@ class _LawReader:
                 raise self._wrong("joint-type-unknown", node, kind=node.describe(), types=JOINT_TYPES, suggestion=near)
             return str(node.text)
         if self._what == AXES:
-            if not isinstance(node.value, int) or isinstance(node.value, bool) or node.value < 1:
+            if not _is_number(node.value):
                 raise self._wrong("axes-no-number", node, kind=node.describe())
             return node.value
-        return self._bounded(node)
+        return self._check(node, self._number(node))
 
     def _record(self, kind: type[T], node: Node) -> T:
         to = Reading()
@@ -100,12 +104,6 @@ class _LawReader:
         if record is None:
             raise ConfigError(to.problems)
         return record
-
-    def _range(self, node: Node, law: type[Uniform | LogUniform | Scale | Offset]) -> Law:
-        low, high = self._ends(node, Dimension.NUMBER if law is Scale else None, bounded=law in (Uniform, LogUniform))
-        if law is LogUniform and low <= 0.0:
-            raise self._wrong("log-uniform-below-0", node)
-        return law(low=low, high=high)
 
     def _ends(self, node: Node, dimension: Dimension | None = None, *, bounded: bool = True) -> tuple[float, float]:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
@@ -143,14 +141,10 @@ class _LawReader:
             self.units.append(each)
         return number
 
-    def _bounded(self, node: Node) -> float:
-        """A number that the field may have, in SI units."""
-        return self._check(node, self._number(node))
-
     def _check(self, node: Node, number: float) -> float:
+        """A number that the field may have."""
         if not self._about.takes(number):
-            bound = self._about.bound
-            raise self._wrong("value-out-of-bounds", node, what=self._what, bound=bound)
+            raise self._wrong("value-out-of-bounds", node, what=self._what, bound=self._about.bound)
         return number
 
 
@@ -207,29 +201,31 @@ def _rule(field: str, node: Node) -> Rule:
         problems.append(say(code, found=found, count=len(laws), laws=list(LAWS)))
     if problems:
         raise ConfigError(problems)
-    names, marks = _joints(joints) if joints else (None, ())
+    named = None if joints is None or (joints.value == ALL and not joints.quoted) else _named_joints(joints)
     ((name, values),) = laws
     reader = _LawReader(field, name)
-    law = reader.read(name, values)
-    units = tuple(dict.fromkeys(reader.units))
-    return Rule(field=field, law=law, joints=names, units=units, mark=node.mark, joint_marks=marks)
+    return Rule(
+        field=field,
+        law=reader.read(name, values),
+        joints=None if named is None else tuple(each.value for each in named),  # type: ignore[misc]  # as checked
+        units=tuple(dict.fromkeys(reader.units)),
+        mark=node.mark,
+        joint_marks=tuple(each.mark for each in named or ()),
+    )
 
 
-def _joints(node: Node) -> tuple[tuple[int | str, ...] | None, tuple[Mark, ...]]:
-    """Joints by their numbers from 1 or their names, and where each is named; None stands for all joints."""
-    if node.value == ALL and not node.quoted:
-        return None, ()
+def _named_joints(node: Node) -> list[Node]:
+    """Joints by their numbers from 1 or their names."""
     nodes: list[Node] = node.value if isinstance(node.value, list) else [node]
-    wrong = [each for each in nodes if not _is_joint(each.value)]
+    wrong = [each for each in nodes if not (_is_number(each.value) or (isinstance(each.value, str) and each.value))]
     if wrong or not nodes:
         code = "joint-wrong" if nodes else "no-joint-named"
         raise ConfigError(
             say(code, each.mark, field="joints", kind=each.describe(), accepted=ACCEPTED_JOINTS)
             for each in wrong or [node]
         )
-    return tuple(each.value for each in nodes), tuple(each.mark for each in nodes)  # type: ignore[misc]  # as checked
+    return nodes
 
 
-def _is_joint(value: object) -> bool:
-    is_number = isinstance(value, int) and not isinstance(value, bool) and value >= 1
-    return is_number or (isinstance(value, str) and bool(value))
+def _is_number(value: object) -> TypeGuard[int]:
+    return type(value) is int and value >= 1

@@ -55,9 +55,6 @@ def write_plugin(
 
     `name` is that of the folder, of the distribution and, without ``dh2urdf-``, of the stage: one that no stage of the
     catalog has. The smallest one (`minimal`) is a module, its contract test, and what installs it.
-
-    Raises:
-        ConfigError: the name cannot be given, or its folder is there.
     """
     place = folder / name
     if problems := list(_problems(name, kind, place, catalog)):
@@ -84,15 +81,10 @@ def write_plugin(
     return place, sorted(written)
 
 
-def stage_name(name: str) -> str:
-    """The name of the stage that a distribution of this name provides."""
-    return name.removeprefix("dh2urdf-")
-
-
 def _values(name: str, kind: Kind) -> dict[str, str]:
     """What the templates leave open."""
     about = tomllib.loads((TEMPLATES / "kinds.toml").read_text("utf-8"))[kind]
-    stage = stage_name(name)
+    stage = name.removeprefix("dh2urdf-")
     suffix = Template(about.get("suffix", "")).substitute(stage=stage)
     return {
         "name": name,
@@ -117,7 +109,7 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
     if not _NAME.fullmatch(name) or len(name) > LONGEST:
         yield problem("plugin-name-wrong", longest=LONGEST)
         return
-    package, stage = name.replace("-", "_"), stage_name(name)
+    package, stage = name.replace("-", "_"), name.removeprefix("dh2urdf-")
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or find_spec(package):
         yield problem("plugin-name-taken", package=package, name=name)
     for item in catalog.provided(kind):
@@ -150,27 +142,20 @@ def shipped_tables() -> dict[str, Path]:
 
 
 def shipped_table(name: str) -> Path:
-    """The table of a name.
-
-    Raises:
-        ConfigError: there is none.
-    """
+    """The table of a name, which a ConfigError says is none."""
     tables = shipped_tables()
-    if name in tables:
-        return tables[name]
-    near = did_you_mean(name, tables)
-    raise ConfigError(say("example-unknown", COMMAND_LINE, found=name, names=tuple(tables), suggestion=near))
+    if name not in tables:
+        near = did_you_mean(name, tables)
+        raise ConfigError(say("example-unknown", COMMAND_LINE, found=name, names=tuple(tables), suggestion=near))
+    return tables[name]
 
 
 def table_template(
     call: Call[Reader[Any]], convention: Convention, joints: Sequence[str], name: str, file: Path
 ) -> bytes:
-    """A table of an arm that stands upright, with comments; in either convention it is the same arm.
+    """A table of an arm that stands upright, with comments, which the reader writes and reads back.
 
-    The reader `call` writes it and reads it back. Without a name, the manipulator is named by the file.
-
-    Raises:
-        ConfigError: a name cannot be one.
+    In either convention it is the same arm. Without a name, the manipulator is named by the file.
     """
     comments = Template((TEMPLATES / "table.txt").read_text("utf-8")).substitute(
         count=len(joints), file=file.name, stem=file.stem, convention=_PRODUCTS[convention]
@@ -210,18 +195,9 @@ def run_template(table: Path, run: Path) -> bytes:
 
 
 def write_new(files: dict[Path, bytes]) -> None:
-    """Write files that are not there yet: all of them, or none.
-
-    Raises:
-        OutputError: one of them is there, or they cannot be written.
-    """
-    problems = [
-        say("file-there", COMMAND_LINE, found=str(path), path=shown(str(path), 200))
-        for path in files
-        if os.path.lexists(path)
-    ]
-    if problems:
-        raise OutputError(problems)
+    """Write files that are not there yet: all of them, or none."""
+    if there := [path for path in map(str, files) if os.path.lexists(path)]:
+        raise OutputError(say("file-there", COMMAND_LINE, found=path, path=shown(path, 200)) for path in there)
     written: list[Path] = []
     try:
         for path, content in files.items():

@@ -126,7 +126,7 @@ def variants(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def same_drawings(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every manipulator has the same drawings, where they are not what is looked at: two take a third of a second."""
-    monkeypatch.setattr("dh2urdf.report.html.arm_figure", lambda _expected, _key: "<svg></svg>")
+    monkeypatch.setattr("dh2urdf.report.html.skeleton_figure", lambda *_: "<svg></svg>")
     monkeypatch.setattr(Workspace, "figure", lambda _workspace, _key: "<svg></svg>")
 
 

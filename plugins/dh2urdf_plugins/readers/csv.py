@@ -21,7 +21,7 @@ READER: Reader[TableOptions] = Reader(
     capabilities=(
         WritesTables(
             Late("dh2urdf_plugins.readers.sources.typed:write_csv"),
-            Late(f"{_FILES}:typed_texts"),
+            Late("dh2urdf_plugins.readers.sources.typed:typed_texts"),
             not_written=(".tsv", *TEXTS),
         ),
         Traces(read),

@@ -17,7 +17,7 @@ READER: Reader[TableOptions] = Reader(
     suffixes=(".yaml", ".yml", ".json"),
     capabilities=(
         WritesTables(
-            Late(f"{_SOURCES}.typed:write_yaml"), Late(f"{_SOURCES}.typed:yaml_texts"), not_written=(".json",)
+            Late(f"{_SOURCES}.typed:write_yaml"), Late(f"{_SOURCES}.typed:typed_texts"), not_written=(".json",)
         ),
         Traces(read),
         HasSchema(Late(f"{_SOURCES}.yaml_schema:table_schema")),

@@ -17,7 +17,6 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import STATEMENTS, CellRow
-from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
@@ -25,6 +24,7 @@ from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
 from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import named_columns, without_name
+from dh2urdf_plugins.readers.statements.statements import flow_text
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
@@ -379,12 +379,3 @@ def _other_reader(root: Node) -> Problem | None:
         if key in entries and (not inner or inner in entries or entries[key].entry(inner)):
             return say("other-reader", root.mark, what=what, reader=reader)
     return None
-
-
-def flow_text(node: Node) -> str:
-    """A value of YAML in one line."""
-    if isinstance(node.value, dict):
-        return "{" + ", ".join(f"{yaml_word(key)}: {flow_text(value)}" for key, value in node.value.items()) + "}"
-    if isinstance(node.value, list):
-        return f"[{', '.join(map(flow_text, node.value))}]"
-    return node.text or "" if node.value is None else yaml_word(node.text or "")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
-    from dh2urdf.table_text import TableText, Trace
+    from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.header.columns import RowSource
     from dh2urdf_plugins.readers.options import TableOptions
 
@@ -131,12 +131,3 @@ def _typed(cell: str) -> str:
     """A cell as a person would type it: ``pi/2`` for ``np.pi/2`` and for ``((pi)/(2))``."""
     plain = re.sub(r"\b(?:np|numpy|math)\.|\bM_(?=PI\b)", "", cell).replace("PI", "pi")
     return re.sub(r"\(\(([\w.]+)\)/\(([\w.]+)\)\)", r"\1/\2", plain)
-
-
-def typed_texts(path: Path) -> Iterator[TableText]:
-    """The tables of a file as their authors typed them; see `WritesTables.texts`."""
-    from dh2urdf_plugins.readers.options import TableOptions
-    from dh2urdf_plugins.readers.sources.typed import cell_texts, yaml_texts
-
-    form = _form_of(path)
-    return yaml_texts(path) if form == "yaml" else cell_texts(_rows_of(path, form, TableOptions()), path)

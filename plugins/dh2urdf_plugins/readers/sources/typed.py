@@ -11,33 +11,26 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.columns import COM, INERTIA, ROW_FIELDS
-from dh2urdf.documents import Item, load_yaml, read_bytes
+from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.quantities import Dimension
-from dh2urdf.source import Mark, Messages, Problem
-from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, MESHES, CellRow, Place, TableText, WrittenTable
+from dh2urdf.source import Messages
+from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, MESHES, Place, TableText, Trace, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
-from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.header.header_rows import text_in
-from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions
-from dh2urdf_plugins.readers.rows.groups import split_cell
 from dh2urdf_plugins.readers.sources.delimited import COMPUTED
-from dh2urdf_plugins.readers.sources.documents import Document, flow_text
-from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.sources.documents import read_documents
+from dh2urdf_plugins.readers.sources.files import read_file
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS
-from dh2urdf_plugins.readers.words.fields import GROUPS, convention_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.documents import Node
-    from dh2urdf_plugins.readers.header.columns import RowSource
-
-_LENGTHS = (*LENGTH_UNITS, "µm")
-_CHOSEN = ("length", "angle")
-"""Keys of `units` that a `TableText` has a choice of."""
+_CHOSEN = {"length": LENGTH_UNITS, "angle": ANGLE_UNITS}
+"""Keys of `units` that a `TableText` has a choice of, and what it may choose."""
+_STATED = ("convention", "base", "tool", "payload", "defaults", "visuals", "collisions")
+_DOCUMENTS = (".yaml", ".yml", ".json")
 _WITHOUT_CHOICE = {"inertia": "kg·m²", "effort": "[Nm, N]", "damping": "[N·m·s/rad, N·s/m]"}
 _MEASURED = {
     word: tuple(name for name, field in ROW_FIELDS.items() if field.dimension is dimension)
@@ -54,7 +47,6 @@ _COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload",
 """What comments declare about all rows."""
 _INNER = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _INNER.items() for field in fields} | dict.fromkeys(COM, "com")
-_LONGEST = 4 * 2**20
 _FLOW = r"[a-z]+|\{(?:[a-z]+: (?:\[[-\w., /*+]*\]|[-\w.]+)(?:, |(?=\})))+\}"
 """A mapping of numbers and lists of them, as most are."""
 
@@ -99,36 +91,6 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
             line += _cell(row.get(field, ""), is_name=field in ("robot", "joint", "link"))
         lines.append(line)
     return WrittenTable(content="\n".join([*lines, ""]).encode(), places=tuple(places))
-
-
-def cell_texts(source: RowSource, path: Path) -> Iterator[TableText]:
-    """The one table of a CSV file; none where it holds several manipulators, or what a table of texts has no place for.
-
-    Raises:
-        TableError: the file is no table, or its header is wrong.
-    """
-    top = read_top(source, Mark(file=str(path)))
-    columns = source.start(top.columns)
-    fields = [field if field not in ("index", "flip") else None for field in columns.fields]
-    units = units_of({unit.symbol for unit in columns.units.values()})  # as those of a whole table
-    if {"robot", "convention", "flip"}.intersection(filter(None, columns.fields)) or units is None:
-        return
-    rows = []
-    for _, batch in source.batches():
-        for cells in batch:
-            named = zip(fields, (text_of(cell).strip(SPACES) for cell in cells), strict=False)
-            row: dict[str, str] = {}
-            for field, text in named:
-                if field and text:
-                    parts = split_cell(GROUPS[field], text) if field in GROUPS else {field: text}
-                    if isinstance(parts, Problem):
-                        return
-                    row |= parts
-            if row:
-                rows.append(row)
-    said = statements_of(top.statements, default_name=path.stem)
-    if said is not None:
-        yield TableText(**{**said, **units}, rows=tuple(rows))
 
 
 def _comments(table: TableText) -> dict[str, str]:
@@ -210,66 +172,22 @@ def _entries(row: Mapping[str, str]) -> Iterator[str]:
         yield f"com: [{', '.join(yaml_word(row.get(field, '')) for field in COM)}]"
 
 
-def yaml_texts(path: Path) -> Iterator[TableText]:
-    """The tables of a YAML file.
-
-    Raises:
-        TableError: the file is no YAML document, or too large to be typed by a person.
-    """
-    root = load_yaml(read_bytes(path, TableError, limit=_LONGEST), str(path), TableError)
-    robots = root.entries("robots") or [root]
-    for number, node in enumerate(robots, start=1):
-        document = Document(Item(node))
-        said = statements_of(document.said, default_name=path.stem if node is root else f"{path.stem}_{number}")
-        if said is None or document.joints is None or not isinstance(document.joints.value, list):
-            continue
-        header, *rows = document.rows(TableOptions()) if document.joints.value else [CellRow([], node.mark)]
-        fields = [read_header(key).field for key in map(text_in, header.cells)]
-        named = [zip(fields, map(text_in, row.cells), strict=True) for row in rows]
-        # What has no field is left out: a later comparison finds it.
-        yield TableText(
-            **said, rows=tuple({field.name: text for field, text in row if field and text} for row in named)
-        )
+# --- Read back -------------------------------------------------------------------------------------------------------
 
 
-# --- What holds for all rows -----------------------------------------------------------------------------------------
-
-
-def statements_of(statements: Mapping[str, Node], *, default_name: str) -> dict[str, str] | None:
-    """The texts of a table's statements by attribute of `TableText`; None where one has a form that has no such text.
-
-    Args:
-        statements: the statements by key.
-        default_name: the manipulator's name where none of them says it.
-    """
-    name, convention = statements.get("name"), statements.get("convention")
-    said = {"name": (name and name.text) or default_name}
-    if convention is not None:
-        word = convention_of(convention.text or "")
-        said["convention"] = str(word) if word else convention.text or ""
-    for key in ("base", "tool", "payload", "defaults", "visuals", "collisions"):
-        if key in statements:
-            said[key] = flow_text(statements[key])
-    if (units := statements.get("units")) is not None:
-        entries = units.value if isinstance(units.value, dict) else {}
-        if any(flow_text(node) != _WITHOUT_CHOICE.get(key) for key, node in entries.items() if key not in _CHOSEN):
-            return None
-        words = [entries[key].text or "" for key in _CHOSEN if key in entries] if entries else []
-        found = units_of(words or (units.text or "").replace(",", " ").split())
-        if found is None:
-            return None
-        said |= found
-    return said
-
-
-def units_of(words: Iterable[str]) -> dict[str, str] | None:
-    """Units by attribute of `TableText`; None where they are not at most one of lengths and one of angles."""
-    found: dict[str, str] = {}
-    for word in words:
-        key = "length_unit" if word in _LENGTHS else "angle_unit" if word in ANGLE_UNITS else None
-        if key is None or found.setdefault(key, word) != word:
-            return None
-    return found
+def typed_texts(path: Path) -> Iterator[TableText]:
+    """The tables of a file as their authors typed them, as far as cells and statements say it; see `WritesTables`."""
+    read, trace = read_documents if path.suffix.lower() in _DOCUMENTS else read_file, Trace()
+    for found in read(path, TableOptions(), trace):
+        said = {key: trace.table[key].text or "" for key in _STATED if key in trace.table}
+        units = {cell.unit for row in trace.rows for cell in row.values()}
+        for key, known in _CHOSEN.items():
+            stated = trace.table.get(f"units.{key}")
+            named = [*units.intersection(known)] or [stated.text if stated else None]
+            said |= {f"{key}_unit": named[0]} if len(named) == 1 and named[0] in known else {}
+        rows = tuple({field: cell.text or "" for field, cell in row.items() if field in FIELDS} for row in trace.rows)
+        yield TableText(**said | {"name": found.name}, rows=rows)
+        trace.rows, trace.table = (), {}
 
 
 def units_text(table: TableText) -> str:

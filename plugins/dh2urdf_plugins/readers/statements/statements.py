@@ -23,6 +23,7 @@ from dh2urdf.quantities import (
 )
 from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
+from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, Units, table_units
 from dh2urdf_plugins.readers.statements import say
@@ -38,7 +39,7 @@ from dh2urdf_plugins.readers.words.fields import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dh2urdf.documents import Node
+    from dh2urdf.documents import Node  # noqa: TC004 - a dataclass never evaluates it
     from dh2urdf.manipulator import DHRow
     from dh2urdf.source import Problem
     from dh2urdf_plugins.calibrations.calibration import CalibrationFile  # noqa: TC004 - only the tables with one need it
@@ -72,6 +73,7 @@ class Statements:
         columns: the headers of the table, where it has some.
         values: what a `Manipulator` has beside its rows, by the name of its attribute: ``base``, ``density``.
         placed: where these are declared.
+        nodes: what declares them, by key.
         mesh_links: whether meshes may be links out of the table's folder.
         calibration: the file of what is added to the rows.
         symbols: what names of lengths and angles stand for.
@@ -85,6 +87,7 @@ class Statements:
     columns: Columns | None = None
     values: dict[str, Any] = field(default_factory=dict)
     placed: dict[str, Mark] = field(default_factory=dict)
+    nodes: dict[str, Node] = field(default_factory=dict)
     mesh_links: bool = False
     calibration: CalibrationFile | None = None
     symbols: Symbols = field(default_factory=Symbols)
@@ -105,6 +108,7 @@ class Statements:
         if self.convention:
             said["convention"] = Said(text=str(self.convention[0]), mark=self.convention[1])
         said |= {what: Said(text=None, mark=mark) for what, mark in self.placed.items()}
+        said |= {key: Said(text=flow_text(node), mark=node.mark) for key, node in self.nodes.items()}
         for dimension, (unit, mark) in self.stated.items():
             said[f"units.{dimension.name.lower()}"] = Said(text=unit.symbol, mark=mark)
         return said
@@ -208,6 +212,7 @@ class Statements:
         found = Values(self.units(), add, links=self.mesh_links).read(kind, node, key)
         if found is None:
             return
+        self.nodes.setdefault(key, node)
         for name, value in {key: found}.items() if is_whole else found.items():
             place = node.entry(name.removeprefix("base_")) or node
             if self.values.setdefault(name, value) != value:
@@ -258,6 +263,15 @@ def _option_node(key: str, options: Mapping[str, Any], add: Callable[[Problem], 
         for problem in error.problems:
             add(replace(problem, field=key))
         return None
+
+
+def flow_text(node: Node) -> str:
+    """A value of YAML in one line."""
+    if isinstance(node.value, dict):
+        return "{" + ", ".join(f"{yaml_word(key)}: {flow_text(value)}" for key, value in node.value.items()) + "}"
+    if isinstance(node.value, list):
+        return f"[{', '.join(map(flow_text, node.value))}]"
+    return node.text or "" if node.value is None else yaml_word(node.text or "")
 
 
 def words_of_units(node: Node) -> list[Cell]:

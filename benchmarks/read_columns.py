@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 from arms import write_table
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf_plugins.readers.csv import READER
 from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.stages import CSV
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,7 +69,7 @@ def with_columns(plain: list[list[str]], name: str) -> list[list[str]]:
 
 def seconds(path: Path, robots: int) -> float:
     started = time.perf_counter()
-    items = list(READER.read(path, TableOptions(convention="standard", angle_unit="rad")))
+    items = list(CSV.read(path, TableOptions(convention="standard", angle_unit="rad")))
     taken = time.perf_counter() - started
     if len(items) != robots or not all(isinstance(item, Manipulator) for item in items):
         raise ValueError(f"{path.stem}: {items[0]}")

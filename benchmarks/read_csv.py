@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING
 from arms import write_table
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf_plugins.readers.csv import READER
 from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.stages import CSV
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -34,7 +34,7 @@ AXES = 6
 def with_dh2urdf(path: Path) -> int:
     """Joints of all manipulators, each of which must have been accepted."""
     joints = 0
-    for item in READER.read(path, TableOptions(convention="standard")):
+    for item in CSV.read(path, TableOptions(convention="standard")):
         if not isinstance(item, Manipulator):
             raise TypeError(f"refused: {item.problems[0]}")
         joints += len(item.rows)

@@ -34,7 +34,7 @@ from known_tables import Table, home_positions, make_table
 
 from dh2urdf.errors import Dh2UrdfError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
-from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
@@ -46,13 +46,13 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader, Rejected
 
 READERS: dict[str, Reader[Any]] = {
-    "csv": csv.READER,
-    "tsv": csv.READER,
-    "yaml": yaml.READER,
-    "yml": yaml.READER,
-    "json": yaml.READER,
+    "csv": stages.CSV,
+    "tsv": stages.CSV,
+    "yaml": stages.YAML,
+    "yml": stages.YAML,
+    "json": stages.YAML,
 }
-READERS |= {"parquet": parquet.READER, "xlsx": xlsx.READER}
+READERS |= {"parquet": stages.PARQUET, "xlsx": stages.XLSX}
 PART = 20
 """How many cases a worker is given at a time."""
 EXACTLY = 1e-12

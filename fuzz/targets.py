@@ -41,7 +41,7 @@ from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
 from dh2urdf_plugins.formats.sdf.reader import parse_sdf
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
@@ -84,17 +84,17 @@ def _hold(fact: bool, message: str) -> None:  # noqa: FBT001 - it is the fact
 
 def csv_table(content: bytes) -> None:
     """The CSV reader, and everything behind it; its fast way through plain rows reads what its careful one reads."""
-    items, refusal = _read(content, csv.READER, "arm.csv")
+    items, refusal = _read(content, stages.CSV, "arm.csv")
     _check_table(items, refusal)
     with patch.object(PlainRows, "read", return_value=None):
-        again, refusal_again = _read(content, csv.READER, "arm.csv")
+        again, refusal_again = _read(content, stages.CSV, "arm.csv")
     _hold(repr(items) == repr(again), f"the two ways of reading differ: {items} and {again}")
     _hold(str(refusal) == str(refusal_again), f"the two ways of reading differ: {refusal} and {refusal_again}")
 
 
 def yaml_table(content: bytes) -> None:
     """The YAML reader, and everything behind it."""
-    _check_table(*_read(content, yaml.READER, "arm.yaml"))
+    _check_table(*_read(content, stages.YAML, "arm.yaml"))
 
 
 def _read(content: bytes, reader: Reader[TableOptions], name: str) -> _Reading:

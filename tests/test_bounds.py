@@ -20,7 +20,7 @@ from dh2urdf.documents.text_files import MAX_BYTES
 from dh2urdf.errors import SCREENFUL, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
 from dh2urdf_plugins.readers.sources.texts import MAX_HEADER
 from dh2urdf_plugins.readers.statements.text import MAX_LINE
@@ -30,7 +30,7 @@ from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-CSV, YAML = csv.READER, yaml.READER
+CSV, YAML = stages.CSV, stages.YAML
 STANDARD = TableOptions(convention="standard")
 CELL = python_csv.field_size_limit()
 REFERENCE = Path(__file__).parent / "reference" / "inputs"

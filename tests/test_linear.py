@@ -17,7 +17,7 @@ from dh2urdf.errors import Dh2UrdfError
 from dh2urdf_check.inspection import inspect_mjcf, inspect_sdf, inspect_urdf
 from dh2urdf_plugins.formats import foreign_mjcf as read_mjcf, foreign_sdf as read_sdf
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
-from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def of_text(place: Callable[[str], str | bytes], path: Path, read: Callable[[Pat
 
 def table(reader: str) -> Callable[[Path], object]:
     """What reads all tables of a file."""
-    plugin: Any = {"csv": csv, "yaml": yaml, "xlsx": xlsx, "parquet": parquet}[reader].READER
+    plugin: Any = {"csv": stages.CSV, "yaml": stages.YAML, "xlsx": stages.XLSX, "parquet": stages.PARQUET}[reader]
     return lambda path: list(plugin.read(path, plugin.options()))
 
 

@@ -139,7 +139,7 @@ from pathlib import Path
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf import EMITTER
-from dh2urdf_plugins.readers.csv import READER
+from dh2urdf_plugins.readers.stages import CSV
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 with Path("imported").open("a") as log:
@@ -150,7 +150,7 @@ def emit(robot, stem, options):
 
 @hookimpl
 def dh2urdf_readers():
-    return [replace(READER, read=None)]
+    return [replace(CSV, read=None)]
 
 @hookimpl
 def dh2urdf_transforms():

@@ -25,7 +25,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
-from dh2urdf_plugins.readers import csv, parquet, xlsx, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
 from dh2urdf_plugins.readers.rows import rows
@@ -128,7 +128,7 @@ class Outcome:
     """What came of a table: its manipulators, or what was said against it."""
 
     def __init__(self, path: Path, options: dict[str, str]) -> None:
-        known: tuple[Reader[Any], ...] = (csv.READER, parquet.READER, xlsx.READER, yaml.READER)
+        known: tuple[Reader[Any], ...] = (stages.CSV, stages.PARQUET, stages.XLSX, stages.YAML)
         reader = next(each for each in known if path.suffix in each.suffixes)
         self.arms: list[Manipulator] = []
         self.errors: list[str] = []
@@ -296,7 +296,7 @@ def test_the_parquet_file_is_the_table_above_it(
     monkeypatch.chdir(tmp_path)
     (script,) = (block["body"] for block in BLOCK.finditer(TEXT) if block["form"] == "python")
     exec(script, {})  # noqa: S102 - a block of the page
-    assert list(parquet.read(tmp_path / "arms.parquet", TableOptions())) == read(EXAMPLES["many"].body).arms
+    assert list(stages.PARQUET.read(tmp_path / "arms.parquet", TableOptions())) == read(EXAMPLES["many"].body).arms
 
 
 @pytest.mark.parametrize(("cells", "meaning"), of_tables("parquet"))

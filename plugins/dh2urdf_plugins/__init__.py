@@ -18,15 +18,9 @@ if TYPE_CHECKING:
 @hookimpl
 def dh2urdf_readers() -> Iterator[Reader[Any]]:
     """Tables as CSV, as YAML, as workbooks and as Parquet, and the chains of robot descriptions."""
-    from dh2urdf_plugins.readers import csv
+    from dh2urdf_plugins.readers import stages
 
-    yield csv.READER
-    from dh2urdf_plugins.readers import yaml
-
-    yield yaml.READER
-    from dh2urdf_plugins.readers import parquet, xlsx
-
-    yield from (xlsx.READER, parquet.READER)
+    yield from (stages.CSV, stages.YAML, stages.XLSX, stages.PARQUET)
     from dh2urdf_plugins.descriptions import readers as descriptions
 
     yield from (descriptions.URDF, descriptions.XACRO, descriptions.SDF, descriptions.MJCF)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from hypothesis import strategies as st
 
 from dh2urdf.manipulator import Convention, JointType, Manipulator
-from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -170,4 +170,4 @@ def read(content: bytes) -> list[Manipulator | Rejected]:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "arm.csv"
         path.write_bytes(content)
-        return list(csv.READER.read(path, TableOptions()))
+        return list(stages.CSV.read(path, TableOptions()))

@@ -23,7 +23,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf_check.inspection import inspect_urdf
-from dh2urdf_plugins.readers.csv import READER
+from dh2urdf_plugins.readers.stages import CSV
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def test_another_arm_is_not_corrected_away(manipulator: Manipulator, seed: int, 
 
 
 def ur5() -> Manipulator:
-    (manipulator,) = READER.read(CONFIGS / "tables" / "ur5.csv", READER.options())
+    (manipulator,) = CSV.read(CONFIGS / "tables" / "ur5.csv", CSV.options())
     assert isinstance(manipulator, Manipulator)
     return manipulator
 
@@ -271,6 +271,6 @@ def test_the_correction_can_be_put_into_the_table(tmp_path: Path) -> None:
         lines.append(f"{row.joint},{row.a},{row.alpha},{row.d},{values['sign']},{values['offset']}")
     path = tmp_path / "corrected.csv"
     path.write_text("\n".join(lines) + "\n")
-    (corrected,) = READER.read(path, READER.options())
+    (corrected,) = CSV.read(path, CSV.options())
     assert isinstance(corrected, Manipulator)
     assert compare(robot_of(table), corrected).holds

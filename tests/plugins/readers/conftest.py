@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
 
@@ -27,7 +27,7 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[
     def read_table(content: str | bytes, suffix: str = ".csv", **options: str) -> list[Manipulator | Rejected]:
         path = Path(f"arm{suffix}")
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        reader = csv.READER if suffix in csv.READER.suffixes else yaml.READER
+        reader = stages.CSV if suffix in stages.CSV.suffixes else stages.YAML
         return list(reader.read(path, TableOptions(**options)))
 
     return read_table

@@ -12,7 +12,7 @@ import pytest
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Manipulator
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.csv import READER
+from dh2urdf_plugins.readers.stages import CSV
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def test_each_manipulator_of_a_file_is_yielded_as_it_is_read(tmp_path: Path) -> 
     path = tmp_path / "arms.csv"
     rows = "".join(f"r{robot},{joint}.5,0,{robot}\n" for robot in range(6000) for joint in range(6))
     path.write_text(f'robot,a,alpha,d\n{rows}r6000,"1,0,0\n')
-    arms = READER.read(path, STANDARD)
+    arms = CSV.read(path, STANDARD)
     assert [arm.name for arm in islice(arms, 100)] == [f"r{robot}" for robot in range(100)]
     with pytest.raises(TableError, match=r"arms.csv:36002:7: error: a cell opens with a quote that is not closed"):
         list(arms)
@@ -140,14 +140,14 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.csv")
     for name in ("folder.csv", "dangling.csv", "loop.csv", "pipe.csv", "missing.csv"):
         with pytest.raises(TableError, match=name):
-            list(READER.read(tmp_path / name, STANDARD))
+            list(CSV.read(tmp_path / name, STANDARD))
 
 
 def test_a_reader_that_is_left_closes_its_file(tmp_path: Path) -> None:
     """A run that is interrupted leaves no file open."""
     path = tmp_path / "arms.csv"
     path.write_text("robot,a,alpha,d\n" + "".join(f"r{robot},0,0,1\n" for robot in range(5000)))
-    arms = READER.read(path, STANDARD)
+    arms = CSV.read(path, STANDARD)
     next(arms)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.manipulator import Manipulator
-from dh2urdf_plugins.readers import xlsx
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
@@ -74,8 +74,8 @@ def test_a_number_of_a_workbook_has_no_sign(number: float, arms: int, tmp_path: 
     for row in (["robot", "a", "alpha", "d"], *rows):
         book.active.append(row)
     book.save(tmp_path / "arms.xlsx")
-    options = xlsx.READER.options(convention="standard")
-    found = [lengths(arm) for arm in xlsx.READER.read(tmp_path / "arms.xlsx", options)]
+    options = stages.XLSX.options(convention="standard")
+    found = [lengths(arm) for arm in stages.XLSX.read(tmp_path / "arms.xlsx", options)]
     assert found == [[(number, 0.125), (number, 0.5)]] * arms
 
 

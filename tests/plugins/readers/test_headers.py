@@ -13,7 +13,7 @@ from pyarrow import parquet as pq
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Inertia, JointType, Manipulator
 from dh2urdf.source import Problem
-from dh2urdf_plugins.readers import csv, parquet, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.rows.groups import split_cell
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.fields import FIELDS
@@ -48,7 +48,7 @@ def _parquet(path: Path, cells: dict[str, str]) -> Path:
     return path
 
 
-FORMS = {"csv": (_csv, csv), "json": (_json, yaml), "parquet": (_parquet, parquet)}
+FORMS = {"csv": (_csv, stages.CSV), "json": (_json, stages.YAML), "parquet": (_parquet, stages.PARQUET)}
 
 
 @pytest.fixture(params=FORMS)
@@ -57,7 +57,7 @@ def read(request: pytest.FixtureRequest, tmp_path: Path) -> Read:
     write, reader = FORMS[request.param]
 
     def read_row(cells: dict[str, str]) -> Manipulator | Rejected:
-        (arm,) = reader.READER.read(write(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", **cells}), OPTIONS)
+        (arm,) = reader.read(write(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", **cells}), OPTIONS)
         return arm
 
     return read_row
@@ -159,7 +159,7 @@ def test_a_column_of_doubtful_meaning_is_refused(cells: dict[str, str], code: st
     """What can be read in two ways is not read."""
     path = _csv(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", **cells})
     try:
-        (arm,) = csv.READER.read(path, OPTIONS)
+        (arm,) = stages.CSV.read(path, OPTIONS)
         assert not isinstance(arm, Manipulator)
         problems = arm.problems
     except TableError as error:
@@ -172,7 +172,7 @@ def test_a_column_of_doubtful_meaning_is_refused(cells: dict[str, str], code: st
 def test_a_column_of_text_is_left_out_with_one_notice(header: str, cell: str, tmp_path: Path) -> None:
     """Nothing in it decides anything."""
     path = _csv(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", header: cell, "remark": "y", "empty": ""})
-    (arm,) = csv.READER.read(path, OPTIONS)
+    (arm,) = stages.CSV.read(path, OPTIONS)
     assert isinstance(arm, Manipulator), words(arm)
     (notice,) = arm.notices
     assert (notice.code, notice.mark.column) == ("columns-left-out", 1 + len('"a","alpha","d",'))
@@ -207,7 +207,7 @@ def test_the_letters_of_khalil(
     top = {"key": f"# convention: {convention}\n", "sentence": f"# {convention} DH\n", "option": ""}[declared]
     (tmp_path / "arm.csv").write_text(f"{top}{header}\n0,0.35,0,0.2\n")
     options = TableOptions(convention=convention if declared == "option" else None)
-    (arm,) = csv.READER.read(tmp_path / "arm.csv", options)
+    (arm,) = stages.CSV.read(tmp_path / "arm.csv", options)
     assert isinstance(arm, Manipulator), words(arm)
     assert (arm.rows[0].a, arm.rows[0].d) == meant
 
@@ -226,7 +226,7 @@ def test_the_types_of_a_column(header: str, cells: str, kinds: str, tmp_path: Pa
     """Codes under σ, and truth values under R, mean one thing."""
     rows = "".join(f"0.3,0,0,{cell}\n" for cell in cells.split())
     (tmp_path / "arm.csv").write_text(f"a,alpha,d,{header}\n{rows}")
-    (arm,) = csv.READER.read(tmp_path / "arm.csv", OPTIONS)
+    (arm,) = stages.CSV.read(tmp_path / "arm.csv", OPTIONS)
     assert isinstance(arm, Manipulator), words(arm)
     assert "".join(row.type.value[0] for row in arm.rows).upper() == kinds
 
@@ -242,7 +242,7 @@ def test_a_column_that_later_holds_something_is_spoken_of(tmp_path: Path) -> Non
         f"r{k},R,0.3,0,0,{k % 3 + 1},{'90 deg' if k == 500 else 'x' if k > 400 else ''}\n" for k in range(800)
     )
     (tmp_path / "arms.csv").write_text(MANY + rows)
-    arms = list(csv.READER.read(tmp_path / "arms.csv", OPTIONS))
+    arms = list(stages.CSV.read(tmp_path / "arms.csv", OPTIONS))
     assert [arm.name for arm in arms if arm.notices] == ["r401"]
     assert [arm.name for arm in arms if not isinstance(arm, Manipulator)] == ["r500"]
 
@@ -251,7 +251,7 @@ def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, fast: list[int]
     """After the first manipulator, whose notice says that a column is left out."""
     rows = "".join(f"r{k},R,0.3,0,0,1,no {k}\n" for k in range(400))
     (tmp_path / "arms.csv").write_text(MANY + rows)
-    assert len(list(csv.READER.read(tmp_path / "arms.csv", OPTIONS))) == 400
+    assert len(list(stages.CSV.read(tmp_path / "arms.csv", OPTIONS))) == 400
     assert sum(fast) >= 399
 
 

@@ -14,7 +14,7 @@ import pytest
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def homogeneous(transform: Any) -> NDArray[np.float64]:
 
 
 def read(path: Path, convention: str | None) -> Manipulator:
-    reader = csv.READER if path.suffix == ".csv" else yaml.READER
+    reader = stages.CSV if path.suffix == ".csv" else stages.YAML
     (arm,) = reader.read(path, TableOptions(convention=convention))
     if isinstance(arm, Rejected):
         raise TableError(arm.problems)

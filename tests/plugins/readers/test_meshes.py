@@ -8,7 +8,7 @@ import pytest
 from dh2urdf.errors import TableError
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def read_one(tmp_path: Path) -> Callable[..., Manipulator | Rejected]:
     def read(text: str, suffix: str = ".yaml") -> Manipulator | Rejected:
         path = tmp_path / f"arm{suffix}"
         path.write_text(text)
-        (arm,) = (yaml if suffix == ".yaml" else csv).read(path, TableOptions())
+        (arm,) = (stages.YAML if suffix == ".yaml" else stages.CSV).read(path, TableOptions())
         return arm
 
     return read
@@ -54,14 +54,14 @@ def test_a_mesh_is_a_path_or_a_mapping(read_one: Callable[..., Manipulator]) -> 
     assert str(row.visual.mark).endswith("arm.yaml:4:68")
 
 
-@pytest.mark.parametrize("reader", [yaml, csv], ids=["yaml", "csv"])
+@pytest.mark.parametrize("reader", [stages.YAML, stages.CSV], ids=["yaml", "csv"])
 def test_a_mesh_that_is_a_link_to_elsewhere_is_refused(tmp_path: Path, reader: Any) -> None:
     """Of a joint, and of the base in any table; the option `mesh_links` allows it."""
     (tmp_path / "secret").write_text("solid")
     (tmp_path / "table").mkdir()
     (tmp_path / "table/link.stl").symlink_to(tmp_path / "secret")
-    path = tmp_path / "table" / f"arm.{reader.READER.name}"
-    if reader is yaml:
+    path = tmp_path / "table" / f"arm.{reader.name}"
+    if reader is stages.YAML:
         path.write_text(joint("mesh: link.stl"))
     else:
         path.write_text("# convention: standard\n# base: {mesh: link.stl}\njoint,a,alpha,d\nj,1,0,0\n")

@@ -21,7 +21,7 @@ from pyarrow import parquet as pq
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
 from dh2urdf.manipulator import Convention, Inertia, Manipulator, Payload
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, parquet
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
 
@@ -48,7 +48,7 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Items
 
     def read_table(columns: dict[str, Any], options: TableOptions = STANDARD, **statements: str) -> Items:
         pq.write_table(table_of(columns, **statements), "arm.parquet")
-        return list(parquet.read(Path("arm.parquet"), options))
+        return list(stages.PARQUET.read(Path("arm.parquet"), options))
 
     return read_table
 
@@ -109,8 +109,8 @@ def test_a_published_robot_is_the_same_arm_as_from_csv(
     (tmp_path / "arm.csv").write_text(text, "utf-8")
     columns, statements = columns_of(text, numbers=numbers)
     pq.write_table(table_of(columns, **statements), tmp_path / "arm.parquet")
-    (expected,) = csv.read(tmp_path / "arm.csv", TableOptions())
-    (arm,) = parquet.read(tmp_path / "arm.parquet", TableOptions())
+    (expected,) = stages.CSV.read(tmp_path / "arm.csv", TableOptions())
+    (arm,) = stages.PARQUET.read(tmp_path / "arm.parquet", TableOptions())
     assert isinstance(expected, Manipulator)
     assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
     assert arm == expected
@@ -175,12 +175,12 @@ def test_numbers_are_read_as_their_texts_are(columns: dict[str, Column]) -> None
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = python_csv.writer(file)
             writer.writerows([list(columns), *(map(text_of, row) for row in zip(*columns.values(), strict=True))])
-        expected = list(csv.read(path, STANDARD))
+        expected = list(stages.CSV.read(path, STANDARD))
         pq.write_table(pa.table(columns), path.with_suffix(".parquet"))
-        fast = list(parquet.read(path.with_suffix(".parquet"), STANDARD))
+        fast = list(stages.PARQUET.read(path.with_suffix(".parquet"), STANDARD))
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(PlainRows, "read", lambda *_arguments: None)
-            careful = list(parquet.read(path.with_suffix(".parquet"), STANDARD))
+            careful = list(stages.PARQUET.read(path.with_suffix(".parquet"), STANDARD))
     assert lines_of(fast) == lines_of(careful)
     assert everything(fast) == everything(careful) == everything(expected)
 
@@ -209,7 +209,7 @@ def test_plain_tables_go_the_fast_way(tmp_path: Path, monkeypatch: pytest.Monkey
         return result
 
     monkeypatch.setattr(PlainRows, "read", counted)
-    arms = list(parquet.read(tmp_path / "arms.parquet", TableOptions(convention="standard", length_unit="mm")))
+    arms = list(stages.PARQUET.read(tmp_path / "arms.parquet", TableOptions(convention="standard", length_unit="mm")))
     assert ([arm.name for arm in arms], refused) == ([str(robot) for robot in range(500)], [])
 
 
@@ -266,7 +266,7 @@ def test_metadata_say_what_columns_cannot(tmp_path: Path) -> None:
     }
     table = table_of({"a": [100], "alpha": [90], "d": [50.5]}, **statements)
     pq.write_table(table.replace_schema_metadata({**table.schema.metadata, "pandas": "{}"}), tmp_path / "arm.parquet")
-    (arm,) = parquet.read(tmp_path / "arm.parquet", TableOptions())
+    (arm,) = stages.PARQUET.read(tmp_path / "arm.parquet", TableOptions())
     assert isinstance(arm, Manipulator)
     assert (arm.name, arm.convention, arm.rows[0].a, arm.rows[0].d) == ("gantry", Convention.MODIFIED, 0.1, 0.0505)
     assert (arm.base.translation, arm.base.rotation[:3]) == ((0.0, 0.0, 0.3), (0.0, -1.0, 0.0))
@@ -338,7 +338,7 @@ STEPS = (("a", 613), ("alpha", 127), ("d", 991))
 def test_rows_are_read_as_they_are_asked_for(large: Path) -> None:
     """Of a row group of several megabytes, a fraction is in memory at any time."""
     before, most, count = pa.total_allocated_bytes(), 0, 0
-    for arm in parquet.read(large, STANDARD):
+    for arm in stages.PARQUET.read(large, STANDARD):
         count += isinstance(arm, Manipulator)
         if count % 100 == 0:
             most = max(most, pa.total_allocated_bytes() - before)
@@ -353,7 +353,7 @@ def test_what_stands_before_a_fault_is_read(large: Path, tmp_path: Path) -> None
     start = pq.ParquetFile(large).metadata.row_group(0).column(1).data_page_offset
     content[start + 2**20 : start + 2**20 + 2**18] = bytes(2**18)
     (tmp_path / "arms.parquet").write_bytes(content)
-    arms = parquet.read(tmp_path / "arms.parquet", STANDARD)
+    arms = stages.PARQUET.read(tmp_path / "arms.parquet", STANDARD)
     assert [arm.name for arm in islice(arms, 1000)] == [str(robot) for robot in range(1000)]
     with pytest.raises(TableError, match=r"arms.parquet:row \d{4,}: error: the file is broken from here on: ."):
         list(arms)
@@ -373,14 +373,14 @@ def test_what_is_no_parquet_file_is_refused(tmp_path: Path, content: bytes) -> N
     """Nothing, another format, half a file: one line that says so."""
     (tmp_path / "arm.parquet").write_bytes(content)
     with pytest.raises(TableError, match=r"arm.parquet: error: this is no Parquet file that can be read: .*\n.*whole"):
-        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+        list(stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD))
 
 
 def test_pyarrow_is_asked_for_where_it_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The message is the command that installs it."""
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     with pytest.raises(MissingDependencyError) as caught:
-        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+        list(stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD))
     assert str(caught.value) == f"reader 'parquet' needs pyarrow: {sys.executable} -m pip install 'dh2urdf[parquet]'"
 
 
@@ -394,7 +394,7 @@ def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.
         return opened[-1]
 
     monkeypatch.setattr(Path, "open", noting)
-    arms: Iterator[Manipulator | Rejected] = parquet.read(large, STANDARD)
+    arms: Iterator[Manipulator | Rejected] = stages.PARQUET.read(large, STANDARD)
     next(arms)
     arms.close()  # type: ignore[attr-defined]
     assert opened
@@ -429,7 +429,7 @@ def test_the_metadata_of_a_column_have_its_unit(tmp_path: Path, key: str) -> Non
     """Under the keys that other programs write."""
     table = with_metadata(a={key: "mm", "long_name": "link length"}, alpha={key: "deg"}, d={key: "mm"})
     pq.write_table(table, tmp_path / "arm.parquet")
-    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
+    (arm,) = stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD)
     assert isinstance(arm, Manipulator)
     (row,) = arm.rows
     assert (row.a, row.alpha, row.d) == (0.1, 1.5707963267948966, 0.05)
@@ -450,7 +450,7 @@ def test_units_that_contradict_or_mean_nothing_are_refused(
     """The message names the column."""
     pq.write_table(with_metadata(**units), tmp_path / "arm.parquet")
     with pytest.raises(TableError) as caught:
-        list(parquet.read(tmp_path / "arm.parquet", STANDARD))
+        list(stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD))
     assert said in str(caught.value)
 
 
@@ -483,7 +483,7 @@ def test_tables_of_pandas(tmp_path: Path, dtype: str) -> None:
     frame = pd.DataFrame({"joint": ["hip", "knee"], "a": [1, 2], "alpha": [0.0, 0.0], "d": [0, 0], "mass": [1, 2]})
     frame["a"] = frame["a"].astype(dtype)  # type: ignore[call-overload]  # any kind
     frame.to_parquet(tmp_path / "arm.parquet")
-    (arm,) = parquet.read(tmp_path / "arm.parquet", STANDARD)
+    (arm,) = stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD)
     assert isinstance(arm, Manipulator)
     assert [(row.joint, row.a) for row in arm.rows] == [("hip", 1.0), ("knee", 2.0)]
     assert arm.notices == ()
@@ -493,7 +493,7 @@ def arm_of(given: Any) -> Manipulator:
     """The one arm of a file or a data frame."""
     if not isinstance(given, Path):
         return Manipulator.from_dh(given, convention="standard")
-    (arm,) = parquet.read(given, STANDARD)
+    (arm,) = stages.PARQUET.read(given, STANDARD)
     assert isinstance(arm, Manipulator)
     return arm
 

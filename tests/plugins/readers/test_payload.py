@@ -10,7 +10,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, Manipulator, Payload
 from dh2urdf.stages import WritesTables
 from dh2urdf.table_text.texts import table_text
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ MATRIX = "{mass: 2.5 kg, com: [0, 10 mm, 0.05], inertia: [[0.01, 0, 0], [0, 0.01
 EXPECTED = Payload(
     mass=2.5, com=(0.0, 0.01, 0.05), inertia=Inertia(ixx=0.01, iyy=0.012, izz=0.004, ixy=0.0, ixz=0.0, iyz=-0.001)
 )
-READERS = {".csv": csv.READER, ".yaml": yaml.READER, ".json": yaml.READER}
+READERS = {".csv": stages.CSV, ".yaml": stages.YAML, ".json": stages.YAML}
 
 
 def read(text: str, folder: Path, suffix: str, **options: object) -> Manipulator | Rejected:

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.errors import TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import DHRow, Manipulator
-from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.header.units import Units
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
@@ -37,7 +37,7 @@ def outcome(path: Path, content: str, **options: Any) -> Any:
     """Everything that reading a file gives, as texts: records with their marks, notices and errors."""
     path.write_text(content)
     try:
-        return [repr(item) for item in csv.READER.read(path, TableOptions(**options))]
+        return [repr(item) for item in stages.CSV.read(path, TableOptions(**options))]
     except TableError as error:
         return str(error)
 
@@ -74,7 +74,7 @@ def test_a_column_of_angles_and_lengths_has_one_meaning(
     fast = outcome(path, content, convention="standard")
     with without_the_fast_way():
         assert fast == outcome(path, content, convention="standard")
-    first, *others = csv.READER.read(path, TableOptions(convention="standard"))
+    first, *others = stages.CSV.read(path, TableOptions(convention="standard"))
     assert {type(item) for item in others} == {type(first)}
 
 
@@ -163,7 +163,7 @@ def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, fast: list[int]) 
     ]
     path = tmp_path / "arms.csv"
     path.write_text("\n".join([header, *lines]))
-    arms = list(csv.READER.read(path, TableOptions(convention="standard")))
+    arms = list(stages.CSV.read(path, TableOptions(convention="standard")))
     assert (len(arms), sum(fast)) == (2000, 2000)
 
 
@@ -237,7 +237,7 @@ def test_a_wrong_fast_reading_is_an_error_that_names_both(
     least = math.nextafter(0.0, 1.0)
     plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], offset=rows[0].offset + least), *rows[1:]))
     with pytest.raises(TableError) as caught:
-        list(csv.READER.read(path, TableOptions(convention="standard")))
+        list(stages.CSV.read(path, TableOptions(convention="standard")))
     (problem,) = caught.value.problems
     assert (problem.code, str(problem.mark), problem.joint, problem.field) == (
         "two-readings",
@@ -258,7 +258,7 @@ def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkey
     for replaced, code in (("1.5708", "two-readings"), ("400", "only-fast")):
         path.write_text(arms_of(2).replace("r0,j1,R,0.001,pi/2", f"r0,j1,R,0.001,{replaced}"))
         with pytest.raises(TableError) as caught:
-            list(csv.READER.read(path, TableOptions(convention="standard")))
+            list(stages.CSV.read(path, TableOptions(convention="standard")))
         assert [problem.code for problem in caught.value.problems] == [code]
 
 
@@ -268,7 +268,7 @@ def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: py
     path.write_text(arms_of(20_000))
     plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], sign=-1), *rows[1:]), after=60_000)
     with pytest.raises(TableError, match="sign"):
-        list(csv.READER.read(path, TableOptions(convention="standard")))
+        list(stages.CSV.read(path, TableOptions(convention="standard")))
 
 
 def test_the_sample_is_small_and_the_same_each_time() -> None:

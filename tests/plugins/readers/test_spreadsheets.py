@@ -12,7 +12,7 @@ from spreadsheets import ENGLISH, GERMAN, UNAWARE, Spreadsheet
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.table_text.texts import table_text
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.sources import typed
 from dh2urdf_plugins.readers.table import TableOptions
 
@@ -25,7 +25,7 @@ SPREADSHEETS = (*ENGLISH, *GERMAN)
 
 
 def read(path: Path) -> Manipulator | Rejected:
-    reader = csv.READER if path.suffix == ".csv" else yaml.READER
+    reader = stages.CSV if path.suffix == ".csv" else stages.YAML
     (arm,) = reader.read(path, TableOptions())
     return arm
 

@@ -16,7 +16,7 @@ from pyarrow import parquet as pq
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
-from dh2urdf_plugins.readers import csv, parquet, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -105,17 +105,17 @@ class Files:
             top = [f"# {key}: {json.dumps(value, ensure_ascii=False)}" for key, value in said.items()]
             rows = [",".join([f"r{k}", *cells.values()]) for k in range(count)]
             path.write_text("\n".join([*top, ",".join(["robot", *names.values()]), *rows]), "utf-8")
-            return list(csv.READER.read(path, TableOptions(**options)))
+            return list(stages.CSV.read(path, TableOptions(**options)))
         if form == "parquet":
             columns = {"robot": [f"r{k}" for k in range(count)]}
             columns |= {names[name]: [text] * count for name, text in cells.items()}
             metadata = {f"dh2urdf.{key}": json.dumps(value) for key, value in said.items()}
             pq.write_table(pa.table(columns).replace_schema_metadata(metadata), path)
-            return list(parquet.READER.read(path, TableOptions(**options)))
+            return list(stages.PARQUET.read(path, TableOptions(**options)))
         robots = [{**said, "name": f"r{k}", "joints": [dict(cells)]} for k in range(count)]
         table = {"robots": robots} if count > 1 else robots[0]
         path.write_text(json.dumps(table), "utf-8")  # JSON is YAML
-        return list(yaml.READER.read(path, TableOptions(**options)))
+        return list(stages.YAML.read(path, TableOptions(**options)))
 
     def row(self, *arguments: Any, **more: Any) -> DHRow:
         """The row of every one of the arms, which are alike."""

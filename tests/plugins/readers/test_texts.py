@@ -14,7 +14,7 @@ from dh2urdf.source import Mark
 from dh2urdf.stages import WritesTables
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text
-from dh2urdf_plugins.readers import csv, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.stages import Reader
 
-READERS = {"csv": csv.READER, "yaml": yaml.READER}
+READERS = {"csv": stages.CSV, "yaml": stages.YAML}
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 
 
@@ -87,11 +87,11 @@ def test_places_are_those_of_the_reader(tmp_path: Path) -> None:
         {"joint": "#2", "a": "1", "alpha": "0", "d": "no"},
     )
     table = TableText(name="x", convention="standard", base="{xyz: 3}", rows=rows)
-    writes = csv.READER.can(WritesTables)
+    writes = stages.CSV.can(WritesTables)
     file = writes.write([TableText(**{**_said(table), "base": ""})])
     path = tmp_path / "x.csv"
     path.write_bytes(file.content)
-    (arm,) = csv.READER.read(path, TableOptions())
+    (arm,) = stages.CSV.read(path, TableOptions())
     assert not isinstance(arm, Manipulator)
     assert [file.at(problem.mark) for problem in arm.problems] == [(0, "alpha"), (1, "d")]
     assert writes.write([table]).at(Mark(file="x", line=3, column=9)) == (None, "base")
@@ -101,19 +101,22 @@ def _said(table: TableText) -> dict[str, Any]:
     return {name: getattr(table, name) for name in table.__dataclass_fields__}
 
 
-def test_several_manipulators_are_no_table_of_texts(tmp_path: Path) -> None:
-    """A CSV file with a column of robots tells no texts; its numbers are read."""
+def test_several_manipulators_are_as_many_tables_of_texts(tmp_path: Path) -> None:
+    """A CSV file with a column of robots has the texts of each of them."""
     path = tmp_path / "two.csv"
-    path.write_text("# convention: standard\nrobot,a,alpha,d\nx,1,0,0\ny,2,0,0\n")
-    writes = csv.READER.can(WritesTables)
-    assert list(writes.texts(path)) == []
+    path.write_text("# convention: standard\nrobot,a,alpha,d\nx,1,pi/2,0\ny,2,0,0\n")
+    tables = list(stages.CSV.can(WritesTables).texts(path))
+    assert [(table.name, *table.rows) for table in tables] == [
+        ("x", {"a": "1", "alpha": "pi/2", "d": "0"}),
+        ("y", {"a": "2", "alpha": "0", "d": "0"}),
+    ]
 
 
 def test_headers_with_units_are_the_units_of_the_table(tmp_path: Path) -> None:
     """`a [mm]` and `alpha [deg]` are told as the units of all lengths and angles."""
     path = tmp_path / "mm.csv"
     path.write_text("# convention: DH\na [mm],alpha [deg],d [mm]\n300,90,0\n")
-    writes = csv.READER.can(WritesTables)
+    writes = stages.CSV.can(WritesTables)
     (table,) = writes.texts(path)
     assert (table.convention, table.length_unit, table.angle_unit) == ("standard", "mm", "deg")
-    assert read(written(table, csv.READER, tmp_path), csv.READER).rows[0].a == 0.3
+    assert read(written(table, stages.CSV, tmp_path), stages.CSV).rows[0].a == 0.3

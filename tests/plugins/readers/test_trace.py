@@ -10,7 +10,7 @@ import pytest
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Traces
 from dh2urdf.table_text import Trace
-from dh2urdf_plugins.readers import csv, parquet, yaml
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").iterdir())
@@ -26,7 +26,7 @@ two,waist,10,pi/2,20,,
 
 def read(path: Path) -> list[tuple[Any, Trace]]:
     """Every item of a file, with what its cells say."""
-    reader = {".csv": csv.READER, ".yaml": yaml.READER, ".parquet": parquet.READER}[path.suffix]
+    reader = {".csv": stages.CSV, ".yaml": stages.YAML, ".parquet": stages.PARQUET}[path.suffix]
     traces = reader.can(Traces)
     trace = Trace()
     return [(item, trace.copy()) for item in traces.trace(path, TableOptions(), trace)]
@@ -35,7 +35,7 @@ def read(path: Path) -> list[tuple[Any, Trace]]:
 @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.name)
 def test_the_manipulator_is_the_same(path: Path) -> None:
     """With a trace and without: to the last bit, marks and notices included; every row has one."""
-    reader = csv.READER if path.suffix == ".csv" else yaml.READER
+    reader = stages.CSV if path.suffix == ".csv" else stages.YAML
     (plain,) = reader.read(path, TableOptions())
     ((item, trace),) = read(path)
     assert repr(item) == repr(plain)
@@ -67,5 +67,5 @@ def test_reading_without_one_stays_fast(tmp_path: Path, fast: list[int]) -> None
     """With a trace every row is read with care."""
     rows = "".join(f"arm{n},0.4,0,0.1\n" for n in range(2000))
     (tmp_path / "arms.csv").write_text(f"# convention: standard\nrobot,a,alpha,d\n{rows}")
-    assert len(list(csv.READER.read(tmp_path / "arms.csv", TableOptions()))) == sum(fast) == 2000
+    assert len(list(stages.CSV.read(tmp_path / "arms.csv", TableOptions()))) == sum(fast) == 2000
     assert (len(read(tmp_path / "arms.csv")), sum(fast)) == (2000, 2000)

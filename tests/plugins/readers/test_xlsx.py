@@ -20,7 +20,7 @@ from openpyxl.styles import Font
 from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers import csv, xlsx
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.sources import workbook as xlsx_file
 from dh2urdf_plugins.readers.sources.sheets import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.table import TableOptions
@@ -35,7 +35,7 @@ QUARTER = math.pi / 2
 
 
 def read(path: str = "arm.xlsx", **options: Any) -> list[Manipulator | Rejected]:
-    return list(xlsx.read(Path(path), xlsx.XlsxOptions(**{"convention": "standard", **options})))
+    return list(stages.XLSX.read(Path(path), stages.XLSX.options(**{"convention": "standard", **options})))
 
 
 def read_one(path: str = "arm.xlsx", **options: Any) -> Manipulator:
@@ -533,7 +533,7 @@ def test_a_csv_table_pasted_into_a_sheet_is_the_same_arm(sheet: Worksheet, name:
     for line in (TABLES / f"{name}.csv").read_text("utf-8").splitlines():
         sheet.append([number_or_text(cell) for cell in line.split(",")])
     save(sheet)
-    (expected,) = csv.read(TABLES / f"{name}.csv", TableOptions())
+    (expected,) = stages.CSV.read(TABLES / f"{name}.csv", TableOptions())
     arm = read_one(convention=None)
     assert isinstance(expected, Manipulator)
     assert (arm.convention, arm.base, arm.tool, arm.geometry, arm.rows) == (

@@ -12,7 +12,7 @@ from dh2urdf.documents.document import read_yaml
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.readers.sources.yaml_schema import table_schema
-from dh2urdf_plugins.readers.yaml import READER
+from dh2urdf_plugins.readers.stages import YAML
 
 ROOT = Path(__file__).parents[3]
 INPUTS = ROOT / "tests" / "reference" / "inputs"
@@ -76,7 +76,7 @@ def test_other_names_and_forms_are_valid_and_read(text: str, tmp_path: Path) -> 
     assert valid(text)
     path = tmp_path / "table.yaml"
     path.write_text(text)
-    (read,) = READER.read(path, READER.options(convention="modified"))
+    (read,) = YAML.read(path, YAML.options(convention="modified"))
     assert isinstance(read, Manipulator)
 
 

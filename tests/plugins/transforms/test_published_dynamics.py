@@ -19,7 +19,7 @@ from dh2urdf.errors import TransformError
 from dh2urdf.kinematics.mass import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf.manipulator import Inertia, Manipulator
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
-from dh2urdf_plugins.readers import csv
+from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
@@ -122,7 +122,7 @@ def _payload(payload: dict[str, Any]) -> str:
 def read(text: str, folder: Path) -> Manipulator:
     path = folder / "arm.csv"
     path.write_text(text, encoding="utf-8")
-    (arm,) = csv.READER.read(path, TableOptions())
+    (arm,) = stages.CSV.read(path, TableOptions())
     assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
     return arm
 

@@ -231,7 +231,6 @@ UNITS = {
         '[>100]0" mm";0" mm"',
         '+0.0" mm";-0.0" mm"',
         '#\'##0.00" mm"',
-        '0" mm";-0" m"',
     ],
     "°": ["0.0°", '0.0"°"'],
     "m": ['0.0" m";-0.0" m";0'],
@@ -249,33 +248,13 @@ def test_what_a_number_format_shows(number_format: str, unit: str) -> None:
     [
         *("0%", "0.00%", "0,", '0.0" pcs"', "#,##0.00 [$€-407]", "$0.00", '"d = "0.00', '"mm "0.0'),
         *(";;;", ";;", ";-0.0", '0.0"\'"', "0.0'", "0.0\"''\""),
-        *('"-"0.0', "\\-0.00", "-0", "(0.0)", '[<1]0.0" mm";0.000" m"', '[Red][<1]0.0" mm";0" m"', '[=0]0;0" mm"'),
+        *('0" mm";-0" m"', '[<1]0.0" mm";0.000" m"', '[Red][<1]0.0" mm";0" m"', '[=0]0;0" mm"'),
     ],
 )
 def test_formats_that_show_something_else(number_format: str) -> None:
-    """A percentage, thousands, another sign, one unit or another, nothing, feet or minutes, and what is no unit."""
+    """A percentage, thousands, one unit or another, nothing, feet or minutes, and what is no unit."""
     with pytest.raises(ShownOtherwiseError):
         shown_unit(number_format)
-
-
-_ACCOUNTING = '_(* #,##0.00_);_(* \\(#,##0.00\\);_(* "-"??_);_(@_)'
-
-
-@pytest.mark.parametrize(
-    ("number_format", "is_signed"),
-    [
-        *(("0.00;0.00", False), ('0" mm";0" mm"', False), ("General;General", False), ("0.0;0.0;-0.0", False)),
-        *((words, True) for words in ("0.00", "0.00;-0.00", "0.00;[Red]0.00", "0_);(0)", "#,##0;−#,##0", _ACCOUNTING)),
-    ],
-)
-def test_a_negative_number_is_shown_with_its_sign(number_format: str, is_signed: bool) -> None:  # noqa: FBT001 - a case
-    """Its own section has a minus, brackets or a colour for it; that of other numbers has none, and zero may."""
-    assert shown_unit(number_format, zero=True) == shown_unit(number_format)
-    if is_signed:
-        assert shown_unit(number_format, negative=True) == ""
-    else:
-        with pytest.raises(ShownOtherwiseError, match="another sign"):
-            shown_unit(number_format, negative=True)
 
 
 def test_units_that_number_formats_show_are_read(sheet: Worksheet) -> None:

@@ -45,8 +45,6 @@ _TOKENS = re.compile(
     re.IGNORECASE | re.DOTALL,
 )
 """The parts of a section of a number format (ECMA-376-1, 18.8.31)."""
-_CONDITION = re.compile(r"\s*(?:\[[^\]<>=]*\]\s*)*\[[<>=]")
-"""What a section begins with that holds for some numbers only: ``[<1]0.0" mm"``."""
 _NEUTRAL = "()+-− \u00a0\u202f"
 """Characters beside a number that do not change what it means; between digits, apostrophes do not, either."""
 
@@ -215,7 +213,7 @@ class SheetRows:
         number_format, is_double = styled.number_format or "General", abs(value) <= _EXACT
         text = text_of(float(value)) if is_double else str(value)
         try:
-            unit = shown_unit(number_format, negative=value < 0, zero=value == 0)
+            unit = shown_unit(number_format)
         except ShownOtherwiseError as error:
             return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
         return f"{text} {unit}" if unit else float(value) if is_double else text
@@ -282,69 +280,45 @@ class ShownOtherwiseError(ValueError):
 
 
 @lru_cache(maxsize=1024)
-def shown_unit(number_format: str, *, negative: bool = False, zero: bool = False) -> str:
+def shown_unit(number_format: str) -> str:
     """The unit that a number format shows behind its number; empty where it shows none.
 
-    ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing.
-
-    Args:
-        number_format: the format, as spreadsheets write it.
-        negative: whether the number is negative: a format may have a section of its own for it.
-        zero: whether it is 0.
+    ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing. A second section, for negative numbers or under
+    a condition, shows the same unit.
 
     Raises:
-        ShownOtherwiseError: the format shows a percentage, a multiple, another sign, nothing, or text that is no unit.
+        ShownOtherwiseError: the format shows a percentage, a multiple, nothing, or text that is no unit.
     """
-    sections = _sections(number_format)
-    if any(map(_CONDITION.match, sections)):  # the cell's number is not known here
-        (unit, *others) = dict.fromkeys(_unit_of(section) for section in sections[:3])
-        if others:
-            raise ShownOtherwiseError("one unit for some numbers and another for others")
-        return unit
-    index = 1 if negative and len(sections) > 1 else 2 if zero and len(sections) > 2 else 0  # noqa: PLR2004 - positive; negative; zero; text
-    if not zero and not sections[index].strip():
+    sections = [""]
+    for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):
+        sections = [*sections, ""] if part == ";" else [*sections[:-1], sections[-1] + part]
+    units = [_unit_of(section) for section in sections[:2]]  # the others are those of zero and of texts
+    if units[0] is None:
         raise ShownOtherwiseError("nothing")
-    return _unit_of(sections[index], minus=None if zero else index == 1)
+    if len({unit for unit in units if unit is not None}) > 1:
+        raise ShownOtherwiseError("one unit for some numbers and another for others")
+    return units[0]
 
 
-def _unit_of(section: str, *, minus: bool | None = None) -> str:
-    """The unit that a section of a format shows.
-
-    Args:
-        section: the section.
-        minus: whether it is that of negative numbers alone, which shows their sign or a colour for it; None where the
-            sign does not matter.
-    """
+def _unit_of(section: str) -> str | None:
+    """The unit that a section of a format shows; None where it shows no number."""
     before, between, behind, codes = "", "", "", ""
     for match in _TOKENS.finditer(section):
+        text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
         if match["code"]:
             codes += match["code"]
             between, behind = between + behind, ""
-            continue
-        text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
-        if codes:
+        elif codes:
             behind += text
         else:
             before += text
+    if not codes:
+        return None
     if "%" in codes:
         raise ShownOtherwiseError("a percentage")
     if codes.rstrip("eE+-").endswith(","):
         raise ShownOtherwiseError("a multiple of a thousand")
-    signed = "-" in before or "−" in before or "(" in before
-    if (minus is False and signed) or (minus and not (signed or "-" in behind or "[" in section)):
-        raise ShownOtherwiseError("another sign")
     unit = behind.strip(_NEUTRAL)
     if before.strip(_NEUTRAL) or between.strip(f"{_NEUTRAL}'") or (unit and not is_unit(unit)):
         raise ShownOtherwiseError(f"the text '{(before + between + behind).strip()}'")
     return unit
-
-
-def _sections(number_format: str) -> list[str]:
-    """The sections of a format, which semicolons outside quotes separate."""
-    sections = [""]
-    for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):
-        if part == ";":
-            sections.append("")
-        else:
-            sections[-1] += part
-    return sections

@@ -98,9 +98,6 @@ class CsvRows:
         """The rows down to the header, or down to where it may be where no line names two of a, alpha, d and theta.
 
         One in a comment is the header, too, unless a header is below it.
-
-        Raises:
-            TableError: the header is too long.
         """
         self.lines = list(chain.from_iterable(islice(self.blocks, 2)))
         titles: list[str] = []
@@ -149,11 +146,7 @@ class CsvRows:
             yield _Line(start, text, number, comment)
 
     def complete(self, header: CellRow) -> CellRow:
-        """The header with a row of units, or of names under shared titles, that follows it.
-
-        Raises:
-            TableError: the row of units contradicts the header, or a quote in this is not closed.
-        """
+        """The header with a row of units, or of names under shared titles, that follows it."""
         line = self.top[header.mark.line or 0]
         if not line.comment and _is_cut(line.text):
             raise TableError(say("open-quote-in-header", header.mark, text=shown(line.text.strip())))
@@ -248,11 +241,7 @@ class CsvRows:
             yield start, block, has_quotes
 
     def _passed_over(self, line: str, number: int) -> str:
-        """What stands for a comment below the header.
-
-        Raises:
-            TableError: it declares something, which would not hold for the rows above.
-        """
+        """What stands for a comment below the header; one that declares something would not hold for the rows above."""
         for text in as_typed(line, self.delimiter):
             try:
                 comment = comment_below(text, self._mark(number))
@@ -316,11 +305,7 @@ class CsvRows:
         return row, self._problems(row, texts, number)
 
     def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What is wrong with a row that is another header, or has other cells than the header has columns.
-
-        Raises:
-            TableError: it begins another table, and no option has the number of the one that is meant.
-        """
+        """What is wrong with a row that is another header, or has other cells than the header has columns."""
         if headers_in(row) != self.header and (problem := other_header(row, number)):
             if self.one_robot and starts_table(row):
                 lines_of_table(self.path, None)
@@ -342,9 +327,6 @@ def lines_of_table(path: Path, number: int | None) -> list[str]:
     Args:
         path: the file.
         number: which table, from 1; None where no option has it.
-
-    Raises:
-        TableError: there is no such table, or there are several and no number.
     """
     lines = list(chain.from_iterable(line_blocks(path)))
     sign = next(filter(None, map(delimiter_of, lines[:MAX_TITLES])), ",")

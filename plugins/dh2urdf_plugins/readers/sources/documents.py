@@ -227,11 +227,7 @@ class Document:
     # --- Rows ---------------------------------------------------------------------------------------------------------
 
     def rows(self, options: TableOptions) -> list[CellRow]:
-        """The header and the rows.
-
-        Raises:
-            TableError: there are none, or nothing names the columns.
-        """
+        """The header and the rows."""
         joints = self.joints
         if joints is None or not joints.value or not isinstance(joints.value, dict | list):
             what = "there is no key joints" if joints is None else f"joints is {joints.describe()}"

@@ -66,9 +66,6 @@ def _form_of(path: Path, *, named: bool = False) -> str:
     Args:
         path: the file.
         named: whether an option names the columns.
-
-    Raises:
-        TableError: an option names the columns of a CSV file, and its header does.
     """
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
     form = FORMS.get(path.suffix.lower()) or form_of(lines)

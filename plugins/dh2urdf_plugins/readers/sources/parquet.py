@@ -63,12 +63,7 @@ say = Messages(__file__)
 
 
 def read_parquet(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of a Parquet file.
-
-    Raises:
-        TableError: the file is no Parquet file, is broken, or its columns or metadata are wrong.
-        MissingDependencyError: pyarrow is not installed.
-    """
+    """The manipulators of a Parquet file."""
     return one_by_one(read_columns(path, options, trace))
 
 
@@ -97,11 +92,7 @@ def read_columns(
 
 
 def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
-    """What the metadata of a file declare about all rows, by key, and attributes of a data frame (`DataFrame.attrs`).
-
-    Raises:
-        TableError: a key is unknown or has no prefix, or its value is not YAML.
-    """
+    """What the metadata of a file declare about all rows, by key, and those of a data frame (`DataFrame.attrs`)."""
     said: dict[str, Node] = {}
     texts = {name.decode(errors="replace"): text for name, text in metadata.items()}
     with suppress(ValueError):
@@ -146,11 +137,7 @@ class _ParquetRows:
         yield CellRow(headers, Mark(file=self.path), marks)
 
     def complete(self, header: CellRow) -> CellRow:
-        """The header with a row of units below it, which columns of text may hold.
-
-        Raises:
-            TableError: the row of units contradicts the header.
-        """
+        """The header with a row of units below it, which columns of text may hold."""
         if not any(_kind(field.type) == "text" for field in self.fields):
             return header
         names = [field.name for field in self.fields if _is_readable(field)]
@@ -166,11 +153,7 @@ class _ParquetRows:
         return joined or header
 
     def start(self, columns: Columns) -> Columns:
-        """Takes the columns of the rows to come.
-
-        Raises:
-            TableError: one of them holds moments, lists or the like, or there are too many rows of a manipulator.
-        """
+        """Takes the columns of the rows to come; none of them holds moments, lists or the like."""
         kinds, numbers, problems = [field.type for field in self.fields], set[int](), []
         for index, (name, kind) in enumerate(zip(columns.fields, kinds, strict=True)):
             kept = index not in columns.ignored
@@ -243,11 +226,7 @@ def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
 
 
 def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyarrow
-    """The header of a column: its name, and the unit that its metadata say.
-
-    Raises:
-        TableError: the name says another unit.
-    """
+    """The header of a column: its name, and the unit that its metadata say."""
     metadata = {key.decode(errors="replace").casefold(): text for key, text in (field.metadata or {}).items()}
     units = {metadata[key].decode(errors="replace").strip() for key in ("unit", "units") if key in metadata} - {""}
     name = str(field.name)
@@ -309,11 +288,7 @@ def _texts_of(array: Any) -> list[str]:  # noqa: ANN401 - an array of pyarrow
 
 
 def _refuse_large(file: Any, path: Path, names: Collection[str]) -> None:  # noqa: ANN401 - a ParquetFile
-    """Refuses a file whose columns would take too much memory.
-
-    Raises:
-        TableError: one of them would.
-    """
+    """Refuses a file whose columns would take too much memory."""
     shared: dict[str, list[int]] = {}
 
     def refuse(name: str, size: str, most: str) -> None:

@@ -29,9 +29,6 @@ def choose(tables: Sequence[Table], places: Sequence[str], number: int | None, p
         places: where each begins, as a sentence names it.
         number: which is meant, from 1; None where no option has it.
         path: the file.
-
-    Raises:
-        TableError: there is none, or which of several is not said.
     """
     if number is not None and 0 < number <= len(tables):
         return tables[number - 1]

@@ -79,11 +79,7 @@ class _Cells(WorkSheetParser):  # type: ignore[misc]
 
 
 def open_sheets(path: Path) -> tuple[Any, list[Any]]:
-    """A workbook of openpyxl, which the caller closes, and its sheets that are no charts.
-
-    Raises:
-        TableError: the workbook is broken.
-    """
+    """A workbook of openpyxl, which the caller closes, and its sheets that are no charts."""
     with reporting_errors(path):
         opened = _Reader(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
         opened.read()
@@ -92,11 +88,7 @@ def open_sheets(path: Path) -> tuple[Any, list[Any]]:
 
 @contextmanager
 def reporting_errors(path: Path) -> Iterator[None]:
-    """Turn what openpyxl reports about a broken workbook into an error of the table.
-
-    Raises:
-        TableError: openpyxl raised anything, as it does in many ways.
-    """
+    """Turn what openpyxl raises of a broken workbook, which may be anything, into an error of the table."""
     try:
         yield
     except TableError:
@@ -156,11 +148,7 @@ class SheetRows:
         )
 
     def __iter__(self) -> Iterator[CellRow]:
-        """The rows from the top.
-
-        Raises:
-            TableError: the workbook is broken here.
-        """
+        """The rows from the top."""
         first = self.headers[0].mark.line or 0 if self.headers else 0
         merged = _Merged(self.layout.merged_cells, first)
         parser, file, last = self._parser(_Cells), str(self.path), 0
@@ -285,9 +273,6 @@ def shown_unit(number_format: str) -> str:
 
     ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing. A second section, for negative numbers or under
     a condition, shows the same unit.
-
-    Raises:
-        ShownOtherwiseError: the format shows a percentage, a multiple, nothing, or text that is no unit.
     """
     sections = [""]
     for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):

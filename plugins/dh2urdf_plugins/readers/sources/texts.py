@@ -202,11 +202,7 @@ def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> 
 
 
 def named_columns(rows: Sequence[CellRow], columns: Sequence[str] | None, file: str) -> CellRow:
-    """The header of rows without one.
-
-    Raises:
-        TableError: nothing says what the columns are, or there are more or fewer of them.
-    """
+    """The header of rows without one."""
     width = max((len(row.cells) for row in rows), default=0)
     mark = rows[0].mark if rows else Mark(file=file)
     if columns and (not rows or width == len(columns)):
@@ -310,11 +306,7 @@ def _around_latex(text: str, file: str) -> list[CellRow]:
 
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:
-    """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``.
-
-    Raises:
-        TableError: a program changes the numbers of an array behind the brackets, or before them.
-    """
+    """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
     lines = text.split("\n")
     comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(_MARKERS)]
     around = [row for at, line in comments for row in _comment(line, Mark(file=file, line=at))]

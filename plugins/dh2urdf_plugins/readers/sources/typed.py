@@ -57,11 +57,7 @@ say = Messages(__file__)
 
 
 def write_csv(tables: Sequence[TableText]) -> WrittenTable:
-    """A CSV file with a column for every field that a table says anything of, and one of names for several tables.
-
-    Raises:
-        InputError: there are several tables, and what comments declare about all rows is not the same of each.
-    """
+    """A CSV file with a column for every field that a table says anything of, and one of names for several tables."""
     if len(tables) == 1:
         return _written(tables[0], tables[0].columns(), tables[0].rows)
     first, *others = tables

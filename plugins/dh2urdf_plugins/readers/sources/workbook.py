@@ -34,12 +34,7 @@ say = Messages(__file__)
 
 
 def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
-    """The manipulators of a workbook: those of every sheet that holds a table and is not hidden.
-
-    Raises:
-        TableError: the file is no workbook, holds no table, or its one table has no header that can be read.
-        MissingDependencyError: openpyxl is not installed.
-    """
+    """The manipulators of a workbook: those of every sheet that holds a table and is not hidden."""
     try:
         import openpyxl  # noqa: F401 - what `sheets` is made of
     except ImportError as error:
@@ -80,11 +75,7 @@ def _chosen(found: Sequence[tuple[SheetRows, int]], number: int | None, path: Pa
 
 
 def _tables(path: Path, sheets: Sequence[Any], wanted: str | None) -> tuple[list[SheetRows], list[Problem]]:
-    """The sheets to read, and notices of the others.
-
-    Raises:
-        TableError: there are none, or not the sheet that is wanted.
-    """
+    """The sheets to read, and notices of the others."""
     from dh2urdf_plugins.readers.sources.sheets import SheetRows
 
     mark, titles = Mark(file=str(path)), [sheet.title for sheet in sheets]
@@ -110,11 +101,7 @@ def _listed(titles: Sequence[str]) -> str:
 
 
 def check_workbook(path: Path) -> None:
-    """Refuses what is no workbook, and one that would cost too much.
-
-    Raises:
-        TableError: the file is of another kind, is broken, holds too much, or XML that declares entities.
-    """
+    """Refuses what is no workbook, and one that would cost too much."""
     check_file(path, TableError)
     mark = Mark(file=str(path))
     with path.open("rb") as binary:

@@ -33,11 +33,7 @@ _MARKS = {
 
 
 def line_blocks(path: Path) -> Iterator[list[str]]:
-    """The lines of a text file, without their ends, some thousand at a time.
-
-    Raises:
-        TableError: there is no such file, it is no text, or a line of it is longer than `MAX_LINE`.
-    """
+    """The lines of a text file, without their ends, some thousand at a time."""
     check_file(path, TableError)
     with path.open("rb") as binary:
         encoding = _encoding(binary.read(_SAMPLE), path)

@@ -65,11 +65,7 @@ class CellRows:
         return self.rows
 
     def complete(self, header: CellRow) -> CellRow:
-        """The header with a row of units, or of names under shared titles, that follows it.
-
-        Raises:
-            TableError: the row of units contradicts the header.
-        """
+        """The header with a row of units, or of names under shared titles, that follows it."""
         row = next(self.rows, None) if self.prose else None
         joined = completed(header, row) if row else None
         if row and joined is None:
@@ -91,11 +87,7 @@ class CellRows:
             yield batch, [self._values(row) for row in batch]
 
     def _joints(self) -> Iterator[CellRow]:
-        """The rows without those that are empty, comments, or notes below the last joint.
-
-        Raises:
-            TableError: a comment among them declares what would not hold for the rows above.
-        """
+        """The rows without those that are empty, comments, or notes below the last joint."""
         geometry = [index for index, field in enumerate(self.fields) if field in REQUIRED]
         joints = Joints(geometry, len(self.fields), self.below)
         for row in self.rows:

@@ -94,9 +94,6 @@ class RowTable:
     Attributes:
         statements: what the table and the options declare about all rows.
         notices: messages that go with the next manipulator.
-
-    Raises:
-        TableError: statements contradict each other, or mean nothing.
     """
 
     def __init__(
@@ -132,11 +129,7 @@ class RowTable:
         return PlainRows(self.columns, self.units)
 
     def _define(self, comments: list[Comment], said: Node | None = None) -> None:
-        """Takes the names for lengths that a statement and comments define, and forgets the comments.
-
-        Raises:
-            TableError: one is defined twice.
-        """
+        """Takes the names for lengths that a statement and comments define, and forgets the comments."""
         symbols, problems = self.statements.symbols, list[Problem]()
         if said:
             self.statements.declare_symbols(said, problems.append)

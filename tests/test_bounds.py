@@ -22,8 +22,8 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS
+from dh2urdf_plugins.readers.sources.delimited import MAX_LINE
 from dh2urdf_plugins.readers.sources.texts import MAX_HEADER
-from dh2urdf_plugins.readers.statements.text import MAX_LINE
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
 

@@ -30,12 +30,12 @@ from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
 from dh2urdf_plugins.readers.rows import rows
 from dh2urdf_plugins.readers.sources import (
+    delimited,
     parquet as parquet_sizes,
     sheets as xlsx_sheets,
     texts as source_texts,
     workbook as xlsx_file,
 )
-from dh2urdf_plugins.readers.statements import plausibility, text
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import row_table
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names
@@ -589,7 +589,7 @@ def test_every_place_of_a_unit_is_read(
 # --- Bounds -----------------------------------------------------------------------------------------------------------
 
 CONSTANTS = {
-    "characters in a line of a CSV file": (text, "MAX_LINE"),
+    "characters in a line of a CSV file": (delimited, "MAX_LINE"),
     "characters in the header of a CSV file": (source_texts, "MAX_HEADER"),
     "columns of a table": (table_bounds, "MAX_COLUMNS"),
     "characters in the header of one column, and in a cell that a field has": (table_bounds, "MAX_TEXT"),
@@ -628,5 +628,5 @@ def test_every_bound_is_the_one_of_the_code() -> None:
     words = " ".join(TEXT.split())
     assert f"at most {errors.SCREENFUL} are printed" in words
     assert (
-        f"longer than {plausibility.LONGEST_ARM:g} m or shorter than {1000 * plausibility.SHORTEST_ARM:g} mm" in words
+        f"longer than {table_bounds.LONGEST_ARM:g} m or shorter than {1000 * table_bounds.SHORTEST_ARM:g} mm" in words
     )

@@ -27,8 +27,7 @@ from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, meant_by
-from dh2urdf_plugins.readers.statements.plausibility import LONGEST_ARM, SHORTEST_ARM
-from dh2urdf_plugins.readers.words.bounds import FULL_TURN, NEARLY, REMEMBERED
+from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LONGEST_ARM, NEARLY, REMEMBERED, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
 from dh2urdf_plugins.readers.words.fields import FIELDS, is_no_joint, joint_type, unheld
 from dh2urdf_plugins.readers.words.names import MAX_NAME, RESERVED, added_joints

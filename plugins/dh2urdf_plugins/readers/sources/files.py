@@ -13,9 +13,9 @@ from dh2urdf.documents import decoded, read_bytes
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages
 from dh2urdf_plugins.readers.comments.top import is_header
+from dh2urdf_plugins.readers.sources.delimited import CsvRows, line_blocks
 from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import all_tables, delimiter_of, form_of, grammar_rows, tables_of
-from dh2urdf_plugins.readers.statements.text import line_blocks
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 
 if TYPE_CHECKING:
@@ -82,8 +82,6 @@ def _form_of(path: Path, *, named: bool = False) -> str:
 def _rows_of(path: Path, form: str, options: TableOptions) -> RowSource:
     """The rows of the one table of a text, from what is around it on."""
     if form == "csv" and not options.columns:
-        from dh2urdf_plugins.readers.sources.delimited import CsvRows
-
         return CsvRows(path, options.table_number)
     file = str(path)
     text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)

@@ -7,6 +7,7 @@ read in both ways, and compared.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, DHRow, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.output import NameSet
+from dh2urdf.quantities import UNITS, Dimension
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
@@ -29,9 +31,8 @@ from dh2urdf_plugins.readers.rows.cells import CellReader
 from dh2urdf_plugins.readers.rows.joint_rows import Cells, JointRows
 from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, RowReader
 from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
-from dh2urdf_plugins.readers.statements.plausibility import arm_length, far_away, size_notice
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
-from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS, MEASURABLE_ARM
+from dh2urdf_plugins.readers.words.bounds import LONGEST_ARM, MAX_JOINTS, MEASURABLE_ARM, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault, name_problems
@@ -49,6 +50,10 @@ if TYPE_CHECKING:
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
 """A row that takes the place of all rows, where only what holds for each of them counts."""
+_USUAL = (0.2, 3.0)
+"""Reach of the arms that people build [m]."""
+_NEARLY_PARALLEL = 0.01
+"""Angle between the axes of neighbours that a calibration finds where the drawing has parallel ones [rad]."""
 say = Messages(__file__)
 
 
@@ -430,16 +435,46 @@ def _place(problem: Problem) -> tuple[bool, int, int]:
     return (False, mark.line, mark.column or 0) if mark and mark.line is not None else (True, 0, 0)
 
 
+def far_away(placed: Mapping[str, Any]) -> str | None:
+    """Which of base and tool is further away than arms are long; None where neither is."""
+    where = ((what, placed[what].translation) for what in ("base", "tool") if placed.get(what))
+    return next((what for what, translation in where if math.hypot(*translation) > LONGEST_ARM), None)
+
+
 def _look_at_sizes(rows: Sequence[DHRow], statements: Statements, reader: RowReader) -> None:
-    """Refuses an arm too long to be computed with, and notes what is hardly meant."""
-    length = arm_length(rows)
+    """Refuses an arm too long to be computed with, and asks for the unit of one of an unusual size."""
+    length = sum(abs(row.a) + abs(row.d) for row in rows)  # of the stretched arm at q = 0
     if length > MEASURABLE_ARM:
         row = max(rows, key=lambda row: max(abs(row.a), abs(row.d)))
         name, metres = ("a", row.a) if abs(row.a) >= abs(row.d) else ("d", row.d)
         sizes: dict[str, Any] = {"metres": f"{metres:g}", "length": f"{length:.4g}", "most": f"{MEASURABLE_ARM:g}"}
         reader.add(say("too-long", row.mark, joint=row.joint, field=name, **sizes))
-    if not reader.errors and (notice := size_notice(rows, reader.units, statements.values)):
-        reader.add(notice)
+    if reader.errors:
+        return
+    if what := far_away(statements.values):  # this and the size of the arm are the same question
+        reader.add(say("base-or-tool-far-away", field=what, limit=f"{LONGEST_ARM:g}"))
+        return
+    slides = [row.limits for row in rows if row.type is JointType.PRISMATIC]
+    reach = length + sum(max(abs(limits.lower or 0), abs(limits.upper or 0)) for limits in slides)
+    if not reach or (reach >= SHORTEST_ARM and length <= LONGEST_ARM):
+        return
+    reach = length if length > LONGEST_ARM else reach
+    number = max(range(len(rows)), key=lambda place: abs(rows[place].d))
+    beside = rows[max(0, number - 1) : number + 2]  # the joint of the longest d, and its neighbours
+    is_calibrated = any(0.0 < abs(math.remainder(row.alpha, math.pi)) < _NEARLY_PARALLEL for row in beside)
+    units = reader.units
+    read = units.columns.get("a") or units.columns.get("d") or units.of(Dimension.LENGTH) or UNITS["m"]
+    usual = {name: UNITS[name].si(reach / read.si(1.0)) for name in ("cm", "inch", "mm", "m")}
+    usual = {name: size for name, size in usual.items() if _USUAL[0] <= size <= _USUAL[1]}
+    notice = say(
+        "size-of-a-calibrated-arm" if length > LONGEST_ARM and is_calibrated else "size",
+        rows[0].mark,
+        size=f"{reach:.4g} m" if reach >= 1 else f"{1000 * reach:.4g} mm",
+        read=read.symbol,
+        sizes=[f"{name} ({size:.3g} m)" for name, size in usual.items()] or "another unit",
+        unit=next(iter(usual), "mm"),
+    )
+    reader.add(notice)
 
 
 def too_many_joints(count: int, mark: Mark) -> Problem:

@@ -14,6 +14,8 @@ REMEMBERED = 10_000
 """Texts, or sets of texts, whose meaning is remembered."""
 MEASURABLE_ARM = 1e9
 """Length of an arm beyond which a double cannot tell micrometres apart [m]."""
+LONGEST_ARM, SHORTEST_ARM = 5.0, 0.02
+"""Reach beyond which a notice asks for the unit [m]."""
 FULL_TURN = 2 * math.pi
 """Angle beyond which one without a unit may be in degrees [rad]."""
 LARGEST_ANGLE = 1000 * FULL_TURN

@@ -131,14 +131,7 @@ class _Line(NamedTuple):
 class CsvRows:
     """The rows of a CSV file: comment lines of one cell each, the header, and what is below it.
 
-    The key of a row is the number of its line.
-
-    Args:
-        path: the file.
-        number: which of several tables is read, from 1; None where the file has one.
-
-    Attributes:
-        below: comments and notes below the header, which may define names.
+    The key of a row is the number of its line. Of several tables one is read, by its number.
     """
 
     def __init__(self, path: Path, number: int | None = None) -> None:
@@ -385,12 +378,7 @@ class CsvRows:
 
 
 def lines_of_table(path: Path, number: int | None) -> list[str]:
-    """The lines of one of several tables; all others are empty, so that each line keeps its number.
-
-    Args:
-        path: the file.
-        number: which table, from 1; None where no option has it.
-    """
+    """The lines of one of several tables; all others are empty, so that each line keeps its number."""
     lines = list(chain.from_iterable(line_blocks(path)))
     sign = next(filter(None, map(delimiter_of, lines[:MAX_TITLES])), ",")
     rows = [

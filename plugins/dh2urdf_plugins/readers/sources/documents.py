@@ -141,23 +141,15 @@ class _Value(NamedTuple):
 
 
 class Document:
-    """A document that is one manipulator.
-
-    Attributes:
-        said: what holds for all rows, by key.
-        problems: what is wrong with its form.
-        notices: what is left out of it.
-        meshes: for each joint, its entries that are meshes.
-        common: what a joint says that says nothing else.
-    """
+    """A document that is one manipulator."""
 
     def __init__(self, item: Item) -> None:
         self.node = item.node
         self.problems: list[Problem] = list(item.problems)
         self.notices: list[Problem] = []
-        self.said: dict[str, Node] = {}
-        self.meshes: list[dict[str, Node]] = []
-        self.common: dict[str, _Value] = {}
+        self.said: dict[str, Node] = {}  # what holds for all rows, by key
+        self.meshes: list[dict[str, Node]] = []  # of each joint, its entries that are meshes
+        self.common: dict[str, _Value] = {}  # what a joint says that says nothing else
         self.entries = item.node.value if isinstance(item.node.value, dict) else {}
         self.joints = self._joints()
         left_out: list[str] = []

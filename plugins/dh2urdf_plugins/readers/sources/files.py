@@ -61,12 +61,7 @@ def read_file_columns(
 
 
 def _form_of(path: Path, *, named: bool = False) -> str:
-    """The form of a file.
-
-    Args:
-        path: the file.
-        named: whether an option names the columns.
-    """
+    """The form of a file."""
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
     form = FORMS.get(path.suffix.lower()) or form_of(lines)
     if path.suffix.lower() in (".csv", ".tsv") and form != "csv":

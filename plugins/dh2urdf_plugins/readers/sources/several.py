@@ -22,14 +22,7 @@ say = Messages(__file__)
 
 
 def choose(tables: Sequence[Table], places: Sequence[str], number: int | None, path: Path | str) -> Table:
-    """The table that is meant.
-
-    Args:
-        tables: the tables of the file.
-        places: where each begins, as a sentence names it.
-        number: which is meant, from 1; None where no option has it.
-        path: the file.
-    """
+    """The table that a number means, from 1, or the only one; places are where each begins, as a sentence names it."""
     if number is not None and 0 < number <= len(tables):
         return tables[number - 1]
     if len(tables) == 1 and number is None:

@@ -106,21 +106,12 @@ def cell_mark(file: str, sheet: str, row: int, column: int) -> Mark:
 
 
 class SheetRows:
-    """The rows of a sheet that hold anything, with one empty row where there are any between them.
-
-    Args:
-        sheet: the sheet, as openpyxl opens it.
-        path: the workbook.
-
-    Attributes:
-        title: the sheet's title.
-        headers: the rows that are headers, one for each table of the sheet.
-    """
+    """The rows of a sheet that hold anything, with one empty row where there are any between them."""
 
     def __init__(self, sheet: Any, path: Path) -> None:  # noqa: ANN401 - a sheet of openpyxl
         self.sheet, self.path, self.title = sheet, path, str(sheet.title)
         self.layout = self._parser(_Layout)
-        self.filled = set[int]()
+        self.filled = set[int]()  # hidden rows that hold anything
         with reporting_errors(path), self.layout.source:
             hidden = self.layout.row_dimensions
             for number, cells in self.layout.parse():
@@ -128,7 +119,7 @@ class SheetRows:
                     raise ValueError(f"a row has the number {number:,}, and a sheet has {MAX_ROW:,} rows")
                 if str(number) in hidden and any(cells):
                     self.filled.add(number)
-        self.headers: list[CellRow] = []
+        self.headers: list[CellRow] = []  # one for each table of the sheet
         for at, row in enumerate(self):
             if not self.headers and at > MAX_TITLES:
                 break
@@ -226,10 +217,6 @@ class _Merged:
 
     A cell that is merged down the rows of one column has its value in each row; so has one that is merged across
     columns, in the header and above it. Below the header nothing names the column of its value.
-
-    Args:
-        merged: openpyxl's merged ranges; None where there are none.
-        header: the row of the first header.
     """
 
     def __init__(self, merged: Any, header: int) -> None:  # noqa: ANN401 - `MergeCells`

@@ -74,11 +74,7 @@ class TextTable(NamedTuple):
 
 
 def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
-    """What a text is: ``csv``, ``markdown``, ``latex``, ``yaml`` (which JSON is too), ``listing`` or ``blanks``.
-
-    Args:
-        lines: its first lines.
-    """
+    """What a text is: ``csv``, ``markdown``, ``latex``, ``yaml`` (which JSON is too), ``listing`` or ``blanks``."""
     some = [line[:MAX_HEADER].translate(_BARS) for line in lines[:_LOOKED_AT] if line.strip()]
     plain = [line for line in some if not line.lstrip().startswith(_MARKERS)]
     text = "\n".join(plain)

@@ -66,34 +66,20 @@ class Statements:
     """What a table and the options say about all of its rows.
 
     Each may be declared more than once, with the same value; two values are an error that names both places.
-
-    Attributes:
-        convention: the convention and where it is declared.
-        stated: the units that are declared, by what they measure, and where.
-        columns: the headers of the table, where it has some.
-        values: what a `Manipulator` has beside its rows, by the name of its attribute: ``base``, ``density``.
-        placed: where these are declared.
-        nodes: what declares them, by key.
-        mesh_links: whether meshes may be links out of the table's folder.
-        calibration: the file of what is added to the rows.
-        symbols: what names of lengths and angles stand for.
-        in_convention: the convention that the table is rewritten in.
-        repair_pi: whether an angle that is nearly a multiple of π/2 is one.
-        bare: the numbers among them that are in the SI unit since nothing says their unit, as `Units` has them.
     """
 
-    convention: tuple[Convention, Mark] | None = None
+    convention: tuple[Convention, Mark] | None = None  # and where it is declared
     stated: dict[Dimension, tuple[Unit, Mark]] = field(default_factory=dict)
     columns: Columns | None = None
-    values: dict[str, Any] = field(default_factory=dict)
-    placed: dict[str, Mark] = field(default_factory=dict)
-    nodes: dict[str, Node] = field(default_factory=dict)
-    mesh_links: bool = False
+    values: dict[str, Any] = field(default_factory=dict)  # of a `Manipulator`, by attribute: ``base``, ``density``
+    placed: dict[str, Mark] = field(default_factory=dict)  # where these are declared
+    nodes: dict[str, Node] = field(default_factory=dict)  # what declares them, by key
+    mesh_links: bool = False  # whether meshes may be links out of the table's folder
     calibration: CalibrationFile | None = None
     symbols: Symbols = field(default_factory=Symbols)
-    in_convention: Convention | None = None
-    repair_pi: bool = False
-    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)
+    in_convention: Convention | None = None  # the one that the table is rewritten in
+    repair_pi: bool = False  # whether an angle that is nearly a multiple of π/2 is one
+    bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict)  # numbers of `values` without a unit
 
     def manipulator(
         self, name: str, rows: tuple[DHRow, ...], mark: Mark | None, notices: tuple[Problem, ...] = ()
@@ -137,14 +123,7 @@ class Statements:
             add(say("convention-twice", cell, "convention", means=convention, where=where, says=said))
 
     def declare_unit(self, cell: Cell, key: str, add: Callable[[Problem], None], *, said: str | None = None) -> None:
-        """Takes a declaration of a unit.
-
-        Args:
-            cell: the word for it.
-            key: what it is the unit of, as `UNIT_KEYS` has it.
-            add: takes what is wrong with it.
-            said: the sentence that it is in.
-        """
+        """Takes a word for the unit of a key of `UNIT_KEYS`, perhaps in a sentence that said it."""
         name, faults = f"units.{key}", list[QuantityError]()
         for dimension in UNIT_KEYS[key]:
             try:

@@ -85,14 +85,7 @@ class _WrongError(Exception):
 
 
 def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callable[[Problem], None]) -> None:
-    """Notes the keys of a mapping that nothing reads.
-
-    Args:
-        node: the mapping.
-        keys: those that are read.
-        what: what the mapping is.
-        add: takes the problems.
-    """
+    """Notes the keys of a mapping that nothing reads."""
     keys = tuple(keys)
     meant = _MEANT if "matrix" in keys else {}
     for key in node.value if isinstance(node.value, dict) else ():
@@ -113,14 +106,7 @@ class Values:
         self.units, self.add, self._links = units, add, links
 
     def read(self, kind: str, node: Node, what: str, dimension: Dimension = Dimension.NUMBER) -> Any:  # noqa: ANN401
-        """A value; None where something is wrong with it.
-
-        Args:
-            kind: the method that reads it.
-            node: the value.
-            what: the field, as messages name it.
-            dimension: what its numbers measure.
-        """
+        """A value; None where something is wrong with it."""
         try:
             return getattr(self, kind)(node, what, dimension)
         except _WrongError:

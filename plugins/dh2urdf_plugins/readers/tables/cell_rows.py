@@ -46,10 +46,7 @@ say = Messages(__file__)
 class CellRows:
     """The rows of a container that has cells with places of their own: the key of a row is the row itself.
 
-    Args:
-        rows: the rows from the top.
-        decimal_comma: whether a comma may be a decimal sign.
-        prose: whether comments and notes may be among the rows; records such as those of YAML have none.
+    Records such as those of YAML have no prose, which is comments and notes among the rows.
     """
 
     def __init__(self, rows: Iterable[CellRow], *, decimal_comma: bool = False, prose: bool = True) -> None:
@@ -152,21 +149,13 @@ class CellRows:
 class Joints:
     """Takes the joints out of rows, among which are empty ones, and notes below the last joint.
 
-    Args:
-        geometry: the columns of a, alpha and d.
-        width: how many columns the table has.
-        below: takes the comments and the notes.
-
-    Attributes:
-        held: notes, as long as no joint follows.
-        after_empty: whether an empty row is above.
-        after_gap: whether that is, or a comment.
+    `geometry` are the columns of a, alpha and d, `width` is the number of columns, and `below` takes the notes.
     """
 
     def __init__(self, geometry: list[int], width: int, below: list[Comment]) -> None:
         self.geometry, self.width, self.below = geometry, width, below
-        self.held: list[CellRow] = []
-        self.after_empty = self.after_gap = False
+        self.held: list[CellRow] = []  # notes, as long as no joint follows
+        self.after_empty = self.after_gap = False  # an empty row is above; that, or a comment
 
     def take(self, row: CellRow) -> list[CellRow]:
         """What a row adds to the joints: itself with notes that a joint follows after all, or nothing."""

@@ -59,23 +59,14 @@ say = Messages(__file__)
 
 @dataclass(slots=True)
 class Rows:
-    """The rows of one manipulator as they are in the file.
-
-    Attributes:
-        name: the manipulator's name.
-        keys: the key of each row.
-        cells: the cells of each row; of more than are read, some are left out.
-        count: how many rows there are.
-        torn: whether other rows of the same manipulator stand elsewhere.
-        nameless: whether the robot column is empty in some of them.
-    """
+    """The rows of one manipulator as they are in the file."""
 
     name: str
     keys: list[Any] = field(default_factory=list)
-    cells: list[Row] = field(default_factory=list)
+    cells: list[Row] = field(default_factory=list)  # of the first `MAX_JOINTS`
     count: int = 0
-    torn: bool = False
-    nameless: bool = False
+    torn: bool = False  # other rows of the same manipulator stand elsewhere
+    nameless: bool = False  # the column of robots is empty in some of them
 
     def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
         """Adds rows, as many as are needed to see that there are too many."""
@@ -86,20 +77,7 @@ class Rows:
 
 
 class RowTable:
-    """One file that is being read.
-
-    Args:
-        name: what a manipulator is called where the table does not say it, and the place of the whole table.
-        options: what the table does not say itself.
-        top: its headers, and its statements about all rows.
-        source: its rows.
-        trace: takes what the cells of each manipulator say, where it is wanted: all are read with care then.
-        one: whether the table is one manipulator, whose place is that of the table; it is read with care.
-
-    Attributes:
-        statements: what the table and the options declare about all rows.
-        notices: messages that go with the next manipulator.
-    """
+    """One file that is being read; with a trace, or as one manipulator, which is a record, it is read with care."""
 
     def __init__(
         self,

@@ -32,7 +32,6 @@ from dh2urdf_plugins.readers.rows import rows
 from dh2urdf_plugins.readers.sources import (
     delimited,
     parquet as parquet_sizes,
-    sheets as xlsx_sheets,
     texts as source_texts,
     workbook as xlsx_file,
 )
@@ -601,8 +600,8 @@ CONSTANTS = {
     "joints of a manipulator": (row_table, "MAX_JOINTS"),
     "bytes in a workbook, unpacked": (xlsx_file, "MAX_UNPACKED"),
     "parts of a workbook": (xlsx_file, "MAX_PARTS"),
-    "rows of a sheet, also of such as hold nothing": (xlsx_sheets, "MAX_ROW"),
-    "columns of a sheet": (xlsx_sheets, "MAX_COLUMN"),
+    "rows of a sheet, also of such as hold nothing": (xlsx_file, "MAX_ROW"),
+    "columns of a sheet": (xlsx_file, "MAX_COLUMN"),
     "bytes of a column in one row group of a Parquet file, unpacked": (parquet_sizes, "MAX_UNPACKED"),
     "bytes of a text that several rows of a Parquet file share": (parquet_sizes, "MAX_CELL"),
     "bytes in a YAML file": (textfiles, "MAX_BYTES"),

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
+from dh2urdf.errors import MissingDependencyError
+
 
 @dataclass(frozen=True, slots=True)
 class Late:
@@ -13,11 +15,18 @@ class Late:
 
     Attributes:
         place: its module and its name, with a colon between them.
+        needs: who needs which package, and what installs that, of a function that needs one.
     """
 
     place: str
+    needs: tuple[str, str, str] | None = None
 
     def __call__(self, *arguments: Any) -> Any:  # noqa: ANN401 - those of the function
         """What the function returns."""
+        if self.needs:
+            try:
+                import_module(self.needs[1])
+            except ImportError as error:
+                raise MissingDependencyError(*self.needs, error) from None
         module, _, name = self.place.partition(":")
         return getattr(import_module(module), name)(*arguments)

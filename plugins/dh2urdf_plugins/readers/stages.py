@@ -45,7 +45,7 @@ YAML: Reader[TableOptions] = Reader(
     ),
 )
 
-_read_workbook = Late(f"{_SOURCES}.workbook:read_workbook")
+_read_workbook = Late(f"{_SOURCES}.workbook:read_workbook", ("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]"))
 XLSX: Reader[XlsxOptions] = Reader(
     name="xlsx",
     summary="tables with one row per joint in the sheets of an Excel or LibreOffice workbook",
@@ -55,12 +55,13 @@ XLSX: Reader[XlsxOptions] = Reader(
     capabilities=(Traces(_read_workbook),),
 )
 
-_read_parquet = Late(f"{_SOURCES}.parquet:read_parquet")
+_PYARROW = ("reader 'parquet'", "pyarrow", "dh2urdf[parquet]")
+_read_parquet = Late(f"{_SOURCES}.parquet:read_parquet", _PYARROW)
 PARQUET: Reader[TableOptions] = Reader(
     name="parquet",
     summary="tables with one row per joint in the columns of a Parquet file; many manipulators in a file",
     read=_read_parquet,
     options=TableOptions,
     suffixes=(".parquet",),
-    capabilities=(Traces(_read_parquet), ReadsInColumns(Late(f"{_SOURCES}.parquet:read_columns"))),
+    capabilities=(Traces(_read_parquet), ReadsInColumns(Late(f"{_SOURCES}.parquet:read_columns", _PYARROW))),
 )

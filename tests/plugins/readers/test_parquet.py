@@ -378,7 +378,7 @@ def test_what_is_no_parquet_file_is_refused(tmp_path: Path, content: bytes) -> N
 
 def test_pyarrow_is_asked_for_where_it_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The message is the command that installs it."""
-    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(MissingDependencyError) as caught:
         list(stages.PARQUET.read(tmp_path / "arm.parquet", STANDARD))
     assert str(caught.value) == f"reader 'parquet' needs pyarrow: {sys.executable} -m pip install 'dh2urdf[parquet]'"

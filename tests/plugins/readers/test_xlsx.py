@@ -21,8 +21,8 @@ from dh2urdf.errors import MissingDependencyError, TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
-from dh2urdf_plugins.readers.sources import workbook as xlsx_file
-from dh2urdf_plugins.readers.sources.sheets import ShownOtherwiseError, shown_unit
+from dh2urdf_plugins.readers.sources import workbook
+from dh2urdf_plugins.readers.sources.workbook import ShownOtherwiseError, shown_unit
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -473,7 +473,7 @@ def test_files_of_another_kind_are_refused(content: bytes, said: str) -> None:
 def test_a_workbook_of_gigabytes_is_refused(sheet: Worksheet, monkeypatch: pytest.MonkeyPatch) -> None:
     """Before any of it is unpacked."""
     fill(sheet, HEADER, FIRST)
-    monkeypatch.setattr(xlsx_file, "MAX_UNPACKED", 1000)
+    monkeypatch.setattr(workbook, "MAX_UNPACKED", 1000)
     assert re.match(r"arm.xlsx: error: the workbook holds 0 MiB in \d+ parts when unpacked\n", refusal())
 
 

@@ -14,8 +14,11 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from pyarrow import ArrowException, float64, types
+from pyarrow.parquet import ParquetFile
+
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
-from dh2urdf.errors import MissingDependencyError, TableError
+from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed, text_in
@@ -71,10 +74,6 @@ def read_columns(
     path: Path, options: TableOptions, trace: Trace | None = None
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same as `read_parquet`, most of them in columns."""
-    try:
-        from pyarrow.parquet import ParquetFile
-    except ImportError as error:
-        raise MissingDependencyError("reader 'parquet'", "pyarrow", "dh2urdf[parquet]", error) from None
     check_file(path, TableError)
     choose([path], ["row 1"], options.table_number, path)
     with path.open("rb") as binary:
@@ -213,8 +212,6 @@ class _ParquetRows:
 @contextmanager
 def _reporting_errors(mark: Mark, what: str) -> Iterator[None]:
     """Turn errors of pyarrow into a `TableError`."""
-    from pyarrow import ArrowException
-
     try:
         yield
     except (ArrowException, OSError, UnicodeDecodeError) as error:
@@ -241,8 +238,6 @@ def _with_unit(field: Any, mark: Mark) -> str:  # noqa: ANN401 - a field of pyar
 
 def _kind(kind: Any) -> str:  # noqa: ANN401 - a type of pyarrow
     """What the cells of a column are: ``text``, ``number``, another kind that is read, or nothing."""
-    from pyarrow import types
-
     kind = kind.value_type if types.is_dictionary(kind) else kind
     if str(kind) in ("string", "large_string", "string_view"):
         return "text"
@@ -253,8 +248,6 @@ def _kind(kind: Any) -> str:  # noqa: ANN401 - a type of pyarrow
 
 def _is_accepted(kind: Any, field: str | None) -> bool:  # noqa: ANN401 - a type of pyarrow
     """Whether a field can be read from a column of a type: one of several numbers from lists, too."""
-    from pyarrow import types
-
     while field in GROUPS and (types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind)):
         kind = kind.value_type
     return bool(_kind(kind))
@@ -268,11 +261,9 @@ def _is_readable(field: Any) -> bool:  # noqa: ANN401 - a field of pyarrow
 
 def _numbers_of(array: Any) -> Sequence[Value]:  # noqa: ANN401 - an array of pyarrow
     """The numbers of a column, as they were written."""
-    import pyarrow as pa
-
-    array = array.dictionary_decode() if pa.types.is_dictionary(array.type) else array
+    array = array.dictionary_decode() if types.is_dictionary(array.type) else array
     # A whole number that no double can hold becomes the nearest one, as it does when it is read as text.
-    numbers: list[float | None] = array.cast(pa.float64(), safe=False).to_pylist()
+    numbers: list[float | None] = array.cast(float64(), safe=False).to_pylist()
     return ["" if number is None else number for number in numbers]
 
 
@@ -323,7 +314,6 @@ def _chunks(file: Any, names: Collection[str]) -> Iterator[tuple[int, str, Any]]
 def _longest_text(path: Path, name: str, groups: list[int]) -> int:
     """Bytes of the longest text of a column [B], in which each is kept once for all rows that have it."""
     from pyarrow import compute
-    from pyarrow.parquet import ParquetFile
 
     with path.open("rb") as binary:
         file = ParquetFile(binary, read_dictionary=[name], pre_buffer=False)

@@ -1,26 +1,44 @@
-"""Tables in the sheets of workbooks of Excel and LibreOffice: which sheets are read, and what is refused unopened."""
+"""Tables in the sheets of workbooks of Excel and LibreOffice: what openpyxl parses, with what a cell shows beside it.
+
+openpyxl's read-only sheets leave out merged cells and texts of several fonts, and give nothing for a formula that was
+never computed. Its parser knows all of them, so it is called here.
+"""
 
 from __future__ import annotations
 
+import datetime as dt
+import re
 import zipfile
+from contextlib import contextmanager
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from openpyxl.cell.read_only import ReadOnlyCell
+from openpyxl.chartsheet import Chartsheet
+from openpyxl.reader.excel import ExcelReader
+from openpyxl.utils import get_column_letter
+from openpyxl.worksheet._reader import FORMULA_TAG, INLINE_STRING, VALUE_TAG, WorkSheetParser
+
 from dh2urdf.documents import BROKEN_ARCHIVE, check_file, kind_of_file
-from dh2urdf.errors import MissingDependencyError, TableError
-from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
+from dh2urdf.errors import TableError
+from dh2urdf.quantities import is_unit
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
-from dh2urdf_plugins.readers.sources.several import choose, one_table
+from dh2urdf.table_text import CellRow
+from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
+from dh2urdf_plugins.readers.sources.several import choose, one_table, starts_table
 from dh2urdf_plugins.readers.table import read_table
+from dh2urdf_plugins.readers.words.cells import text_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.source import Problem
     from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.options import XlsxOptions
-    from dh2urdf_plugins.readers.sources.sheets import SheetRows
+
+    Value = str | float | Problem | None
 
 MAX_UNPACKED = 2**29
 """Bytes of a workbook when unpacked [B]: a zip archive may hold a thousand times its own size."""
@@ -30,17 +48,27 @@ _PROLOG = 2**16
 _STRICT = b"http://purl.oclc.org/ooxml/"
 """What the names of a strict workbook's elements begin with (ISO/IEC 29500-1); openpyxl knows the transitional ones."""
 
+MAX_ROW, MAX_COLUMN = 2**20, 2**14
+"""The last row and column of a sheet in Excel."""
+_FEW = 8
+_EXACT = 2**53
+"""Whole numbers up to here are doubles."""
+_RAISED = str.maketrans("0123456789+-−oO", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻ºº")
+_MOMENTS = {dt.datetime: "a date", dt.date: "a date", dt.time: "a time", dt.timedelta: "a duration"}
+_TOKENS = re.compile(
+    r'"(?P<quoted>[^"]*)"|\\(?P<escaped>.)|_.|\*.|\[\$(?P<currency>[^\]-]*)[^\]]*\]|\[[^\]]*\]'
+    r"|(?P<code>General|E[+-]|[0#?.,/%@])|(?P<bare>.)",
+    re.IGNORECASE | re.DOTALL,
+)
+"""The parts of a section of a number format (ECMA-376-1, 18.8.31)."""
+_NEUTRAL = "()+-− \u00a0\u202f"
+"""Characters beside a number that do not change what it means; between digits, apostrophes do not, either."""
+
 say = Messages(__file__)
 
 
 def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a workbook: those of every sheet that holds a table and is not hidden."""
-    try:
-        import openpyxl  # noqa: F401 - what `sheets` is made of
-    except ImportError as error:
-        raise MissingDependencyError("reader 'xlsx'", "openpyxl", "dh2urdf[xlsx]", error) from None
-    from dh2urdf_plugins.readers.sources.sheets import open_sheets
-
     check_workbook(path)
     book, sheets = open_sheets(path)
     try:
@@ -76,8 +104,6 @@ def _chosen(found: Sequence[tuple[SheetRows, int]], number: int | None, path: Pa
 
 def _tables(path: Path, sheets: Sequence[Any], wanted: str | None) -> tuple[list[SheetRows], list[Problem]]:
     """The sheets to read, and notices of the others."""
-    from dh2urdf_plugins.readers.sources.sheets import SheetRows
-
     mark, titles = Mark(file=str(path)), [sheet.title for sheet in sheets]
     if wanted is not None:
         by_title = {title.casefold(): sheet for title, sheet in zip(titles, sheets, strict=True)}
@@ -137,3 +163,251 @@ def _fault(mark: Mark, archive: zipfile.ZipFile) -> Problem | None:
                 if b"<!DOCTYPE" in content.read(_PROLOG).replace(b"\0", b""):
                     return say("workbook-with-entities", mark, part=part.filename)
     return None
+
+
+# --- Sheets -----------------------------------------------------------------------------------------------------------
+
+
+class _Reader(ExcelReader):  # type: ignore[misc]
+    """A sheet that is a chart holds no table, and openpyxl fails with an empty one."""
+
+    def read_chartsheet(self, sheet: Any, rel: Any) -> None:  # noqa: ANN401, ARG002 - openpyxl's signature
+        self.wb._sheets.append(Chartsheet(parent=self.wb, title=sheet.name))  # noqa: SLF001 - as openpyxl does
+
+
+class _Layout(WorkSheetParser):  # type: ignore[misc]
+    """Of a cell whether it holds anything; the parser itself notes what is merged and what is hidden."""
+
+    def parse_cell(self, element: Any) -> bool:  # noqa: ANN401 - an element
+        return bool(element.findtext(VALUE_TAG)) or element.find(INLINE_STRING) is not None
+
+
+class _Cells(WorkSheetParser):  # type: ignore[misc]
+    """The cells of a row, formulas without a value among them."""
+
+    def parse_cell(self, element: Any) -> dict[str, Any]:  # noqa: ANN401 - an element
+        cell: dict[str, Any] = super().parse_cell(element)
+        if cell["row"] > MAX_ROW or cell["column"] > MAX_COLUMN:
+            raise ValueError(f"the cell {element.get('r')} is beyond the last one of a sheet")
+        # A formula whose value is an empty text has the type of texts, and is an empty cell.
+        if cell["value"] is None and cell["data_type"] != "str" and element.find(FORMULA_TAG) is not None:
+            cell["data_type"] = "f"
+        return cell
+
+
+def open_sheets(path: Path) -> tuple[Any, list[Any]]:
+    """A workbook of openpyxl, which the caller closes, and its sheets that are no charts."""
+    with reporting_errors(path):
+        opened = _Reader(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
+        opened.read()
+        return opened.wb, opened.wb.worksheets
+
+
+@contextmanager
+def reporting_errors(path: Path) -> Iterator[None]:
+    """Turn what openpyxl raises of a broken workbook, which may be anything, into an error of the table."""
+    try:
+        yield
+    except TableError:
+        raise
+    except Exception as error:
+        reason = (str(error) or type(error).__name__).splitlines()[0]
+        raise TableError(say("broken-workbook", Mark(file=str(path)), reason=shown(reason)[1:-1])) from error
+
+
+def cell_mark(file: str, sheet: str, row: int, column: int) -> Mark:
+    """The place of a cell: ``arm.xlsx:Sheet2!C4``."""
+    plain = sheet.replace("_", "").isalnum() and not sheet[:1].isdigit()
+    title = sheet if plain else f"'{sheet.replace(chr(39), chr(39) * 2)}'"
+    return Mark(file=file, line=row, column=column, place=f"{title}!{get_column_letter(column)}{row}")
+
+
+class SheetRows:
+    """The rows of a sheet that hold anything, with one empty row where there are any between them."""
+
+    def __init__(self, sheet: Any, path: Path) -> None:  # noqa: ANN401 - a sheet of openpyxl
+        self.sheet, self.path, self.title = sheet, path, str(sheet.title)
+        self.layout = self._parser(_Layout)
+        self.filled = set[int]()  # hidden rows that hold anything
+        with reporting_errors(path), self.layout.source:
+            hidden = self.layout.row_dimensions
+            for number, cells in self.layout.parse():
+                if number > MAX_ROW:
+                    raise ValueError(f"a row has the number {number:,}, and a sheet has {MAX_ROW:,} rows")
+                if str(number) in hidden and any(cells):
+                    self.filled.add(number)
+        self.headers: list[CellRow] = []  # one for each table of the sheet
+        for at, row in enumerate(self):
+            if not self.headers and at > MAX_TITLES:
+                break
+            if starts_table(row) if self.headers else is_header(row):
+                self.headers.append(row)
+
+    def _parser(self, kind: type[Any]) -> Any:  # noqa: ANN401 - a parser of openpyxl
+        book = self.sheet.parent
+        return kind(
+            self.sheet._get_source(),  # noqa: SLF001 - as openpyxl's own read-only sheet does
+            self.sheet._shared_strings,  # noqa: SLF001
+            data_only=True,
+            epoch=book.epoch,
+            date_formats=book._date_formats,  # noqa: SLF001
+            timedelta_formats=book._timedelta_formats,  # noqa: SLF001
+            rich_text=True,
+        )
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows from the top."""
+        first = self.headers[0].mark.line or 0 if self.headers else 0
+        merged = _Merged(self.layout.merged_cells, first)
+        parser, file, last = self._parser(_Cells), str(self.path), 0
+        with reporting_errors(self.path), parser.source:
+            for number, cells in parser.parse():
+                values: list[Value] = []
+                for cell in cells:
+                    values += [None] * (cell["column"] - len(values))
+                    values[cell["column"] - 1] = self._value(cell)
+                merged.fill(number, values)
+                filled = [index for index, value in enumerate(values, start=1) if value is not None]
+                if not filled:
+                    continue
+                if number > last + 1 and last:
+                    yield CellRow([], cell_mark(file, self.title, last + 1, 1))
+                del values[filled[-1] :]
+                marks = [cell_mark(file, self.title, number, column) for column in range(1, len(values) + 1)]
+                yield CellRow(values, marks[filled[0] - 1], marks)
+                last = number
+
+    def hidden(self) -> list[Problem]:
+        """A notice of hidden rows and columns, which are read as all others."""
+        header = self.headers[0] if self.headers else CellRow([], Mark(file=str(self.path)))
+        rows = [number for number in sorted(self.filled) if number >= (header.mark.line or 0)]
+        found = [f"row {row}" for row in rows if _is_hidden(self.layout.row_dimensions[str(row)])]
+        columns = [each for each in self.layout.column_dimensions.values() if _is_hidden(each)]
+        for index, cell in enumerate(header.cells, start=1):
+            if cell is not None and any(int(each["min"]) <= index <= int(each["max"]) for each in columns):
+                found.append(f"column {get_column_letter(index)}")
+        place = Mark(file=str(self.path), place=self.title)
+        return [say("hidden-cells", place, hidden=listed(found, _FEW))] if found else []
+
+    def _value(self, cell: dict[str, Any]) -> Value:  # noqa: PLR0911 - one for each kind of value
+        """What a cell holds, and the unit that it shows."""
+        value, kind = cell["value"], cell["data_type"]
+        mark = cell_mark(str(self.path), self.title, cell["row"], cell["column"])
+        if value is None:
+            return say("formula-without-a-value", mark, found="") if kind == "f" else None
+        styled = ReadOnlyCell(self.sheet, **cell)
+        if styled.has_style and styled.font is not None and styled.font.strike:
+            return say("struck-through", mark, found=str(value))
+        if kind == "e":
+            return say("error-in-a-cell", mark, found=str(value))
+        if isinstance(value, bool | str | list):
+            return _of_fonts(value, mark) if isinstance(value, list) else value
+        if not isinstance(value, int | float):
+            what = next((words for kind, words in _MOMENTS.items() if isinstance(value, kind)), type(value).__name__)
+            return say("moment-in-a-cell", mark, found=str(value), kind=what)
+        # A number, or a text where it has a unit or is no double.
+        number_format, is_double = styled.number_format or "General", abs(value) <= _EXACT
+        text = text_of(float(value)) if is_double else str(value)
+        try:
+            unit = shown_unit(number_format)
+        except ShownOtherwiseError as error:
+            return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
+        return f"{text} {unit}" if unit else float(value) if is_double else text
+
+
+def _is_hidden(dimension: dict[str, str]) -> bool:
+    return dimension.get("hidden") in ("1", "true")
+
+
+def _of_fonts(blocks: Sequence[Any], mark: Mark) -> Value:
+    """A text whose parts have fonts of their own: 300 with a raised 1 is no 3001, and m with a raised 2 is m²."""
+    fonts = [None if isinstance(block, str) else block.font for block in blocks]
+    if any(font is not None and font.strike for font in fonts):
+        return say("struck-through", mark, found="".join(map(str, blocks)))
+    raised = [font is not None and font.vertAlign == "superscript" for font in fonts]
+    texts = map(str, blocks)
+    return "".join(text.translate(_RAISED) if up else text for text, up in zip(texts, raised, strict=True))
+
+
+class _Merged:
+    """Fills merged cells.
+
+    A cell that is merged down the rows of one column has its value in each row; so has one that is merged across
+    columns, in the header and above it. Below the header nothing names the column of its value.
+    """
+
+    def __init__(self, merged: Any, header: int) -> None:  # noqa: ANN401 - `MergeCells`
+        self.header = header
+        self.starts: dict[int, list[tuple[int, int, int]]] = {}
+        self.open: list[tuple[int, int, Value]] = []  # last row, column, and what is there
+        for each in merged.mergeCell if merged else ():
+            first, top, last, bottom = each.bounds
+            self.starts.setdefault(top, []).append((first, last, bottom))
+
+    def fill(self, number: int, values: list[Value]) -> None:
+        """Fills the merged cells of a row."""
+        self.open = [entry for entry in self.open if entry[0] >= number]
+        for _, column, value in self.open:
+            values += [None] * (column - len(values))
+            values[column - 1] = value
+        for first, last, bottom in self.starts.get(number, ()):
+            value = values[first - 1] if first <= len(values) else None
+            if value is None:
+                continue
+            if last > first and self.header - 1 <= number <= self.header:
+                values += [None] * (last - len(values))
+                values[first - 1 : last] = [value] * (last + 1 - first)
+            elif last > first and not isinstance(value, Problem) and number > self.header > 0:
+                text = value if isinstance(value, str) else text_of(float(value))
+                values[first - 1] = value = say("merged-across", found=text)
+            if bottom > number and not self.header - 1 <= number <= self.header:
+                self.open.append((bottom, first, value))
+
+
+# --- Number formats: what a cell shows beside its number, which may be its unit ---------------------------------------
+
+
+class ShownOtherwiseError(ValueError):
+    """A number format shows another number than the cell holds, or text that is no unit."""
+
+
+@lru_cache(maxsize=1024)
+def shown_unit(number_format: str) -> str:
+    """The unit that a number format shows behind its number; empty where it shows none.
+
+    ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing. A second section, for negative numbers or under
+    a condition, shows the same unit.
+    """
+    sections = [""]
+    for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):
+        sections = [*sections, ""] if part == ";" else [*sections[:-1], sections[-1] + part]
+    units = [_unit_of(section) for section in sections[:2]]  # the others are those of zero and of texts
+    if units[0] is None:
+        raise ShownOtherwiseError("nothing")
+    if len({unit for unit in units if unit is not None}) > 1:
+        raise ShownOtherwiseError("one unit for some numbers and another for others")
+    return units[0]
+
+
+def _unit_of(section: str) -> str | None:
+    """The unit that a section of a format shows; None where it shows no number."""
+    before, between, behind, codes = "", "", "", ""
+    for match in _TOKENS.finditer(section):
+        text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
+        if match["code"]:
+            codes += match["code"]
+            between, behind = between + behind, ""
+        elif codes:
+            behind += text
+        else:
+            before += text
+    if not codes:
+        return None
+    if "%" in codes:
+        raise ShownOtherwiseError("a percentage")
+    if codes.rstrip("eE+-").endswith(","):
+        raise ShownOtherwiseError("a multiple of a thousand")
+    unit = behind.strip(_NEUTRAL)
+    if before.strip(_NEUTRAL) or between.strip(f"{_NEUTRAL}'") or (unit and not is_unit(unit)):
+        raise ShownOtherwiseError(f"the text '{(before + between + behind).strip()}'")
+    return unit

@@ -18,9 +18,8 @@ from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
-from dh2urdf_plugins.readers.sources.several import choose, one_table, starts_table
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, fields_in, split
-from dh2urdf_plugins.readers.tables.cell_rows import Joints, other_header
+from dh2urdf_plugins.readers.tables.cell_rows import Joints, choose, one_table, other_header, starts_table
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import (
     SIGNS,

@@ -22,11 +22,10 @@ from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
-from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import named_columns, without_name
 from dh2urdf_plugins.readers.statements.statements import flow_text
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of
-from dh2urdf_plugins.readers.tables.cell_rows import CellRows
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows, choose
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -230,9 +229,18 @@ class Document:
             columns = options.column_names or [node.text or "" for node in self.node.entries("columns")]
             self.meshes = [{} for _ in rows]
             return [named_columns(rows, columns, self.node.file), *rows]
-        records = list(self._records(joints))
-        values = [self._joint(number, node) for number, node in enumerate(records, start=1)]
-        values = [{**self.common, **own} for own in values]
+        records, values = list(self._records(joints)), list[dict[str, _Value]]()
+        for number, node in enumerate(records, start=1):
+            entries = node.value if isinstance(node.value, dict) else {}
+            self.meshes.append({key: item for key, item in entries.items() if key in MESH_KEYS})
+            if not isinstance(node.value, dict):
+                what = f"joint {number} is {node.describe()}"
+                self.problems.append(say("joint-no-mapping", node.mark, field="joints", found=node.text, what=what))
+            found: dict[str, _Value] = {}
+            for key, item in entries.items():
+                for column, value in self._values(node, key, item).items() if key not in MESH_KEYS else ():
+                    found[f"{column} {key}" if column in found else column] = value
+            values.append(self.common | found)
         headers = {key: value for own in values for key, value in own.items()}
         named = [each.header for each in headers.values()]
         header = CellRow(named, joints.mark, [each.key for each in headers.values()])
@@ -262,19 +270,6 @@ class Document:
             cells = {key: column[index] for key, column in columns.items() if index < len(column)}
             places = {key: joints.key_places[key] for key in cells if key in joints.key_places}
             yield replace(next(iter(cells.values())), value=cells, text=None, key_places=places)
-
-    def _joint(self, number: int, node: Node) -> dict[str, _Value]:
-        """What a joint says, by column."""
-        entries = node.value if isinstance(node.value, dict) else {}
-        self.meshes.append({key: item for key, item in entries.items() if key in MESH_KEYS})
-        if not isinstance(node.value, dict):
-            what = f"joint {number} is {node.describe()}"
-            self.problems.append(say("joint-no-mapping", node.mark, field="joints", found=node.text, what=what))
-        found: dict[str, _Value] = {}
-        for key, item in entries.items():
-            for column, value in self._values(node, key, item).items() if key not in MESH_KEYS else ():
-                found[f"{column} {key}" if column in found else column] = value
-        return found
 
     def _values(self, mapping: Node, key: str, node: Node) -> dict[str, _Value]:  # noqa: PLR0911 - forms of values
         """What a key of a joint says, by column: several where the value is of several fields."""

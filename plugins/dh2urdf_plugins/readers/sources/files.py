@@ -14,9 +14,8 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.sources.delimited import CsvRows, line_blocks
-from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.sources.texts import all_tables, delimiter_of, form_of, grammar_rows, tables_of
-from dh2urdf_plugins.readers.tables.cell_rows import CellRows
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows, choose
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

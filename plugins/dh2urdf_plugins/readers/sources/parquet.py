@@ -23,8 +23,8 @@ from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import completed, text_in
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.sources.several import choose
 from dh2urdf_plugins.readers.table import one_by_one, read_rows
+from dh2urdf_plugins.readers.tables.cell_rows import choose
 from dh2urdf_plugins.readers.tables.row_table import too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED

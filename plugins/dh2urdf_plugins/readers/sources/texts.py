@@ -163,7 +163,11 @@ def all_tables(text: str, file: str, form: str) -> list[TextTable]:
         case "listing":
             found = list(_listing(text, file))
         case "csv":
-            found = [_delimited(lines, file)]
+            marked = [(Mark(file=file, line=at), line) for at, line in enumerate(lines, start=1) if line.strip()]
+            cells = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
+            sign = next((sign for sign in ("\t", ";", ",") if cells and sign in cells[0][1]), ",")
+            around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
+            found = [TextTable([CellRow(split(line, sign), mark) for mark, line in cells], around)]
         case _:
             found = [_blanks(lines, file)]
     return [table for table in found if table.rows]
@@ -230,15 +234,6 @@ def _row(cells: Sequence[str], mark: Mark) -> CellRow:
 # --- Forms ------------------------------------------------------------------------------------------------------------
 
 
-def _delimited(lines: Sequence[str], file: str) -> TextTable:
-    """CSV without a header."""
-    marked = [(Mark(file=file, line=at), line) for at, line in enumerate(lines, start=1) if line.strip()]
-    cells = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
-    sign = next((sign for sign in ("\t", ";", ",") if cells and sign in cells[0][1]), ",")
-    around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
-    return TextTable([CellRow(split(line, sign), mark) for mark, line in cells], around)
-
-
 def _markdown(lines: Sequence[str], file: str) -> Iterator[TextTable]:
     """Tables between bars; what is around them holds for each."""
     marked = [(Mark(file=file, line=at), line.translate(_BARS).strip()) for at, line in enumerate(lines, start=1)]
@@ -268,8 +263,12 @@ def _latex(text: str, file: str) -> Iterator[TextTable]:
         outside.append(text[end : found.start()])
         bodies.append((line, _without_columns(text[found.end() : close], _ARGUMENTS.get(name, 1))))
         line, end = line + text.count("\n", found.end(), close), close + len(f"\\end{{{name}}}")
-    around = _around_latex("\n".join([*outside, text[end:]]), file) if bodies else []
-    if not bodies:
+    if bodies:
+        plain = re.sub(_COMMAND, "", "\n".join([*outside, text[end:]]))
+        plain = re.sub(r"\\(?:texttt|emph|text\w*)\{((?:[^{}\\]|\\.)*)\}", r"\1", plain)
+        plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain)).replace("--", "-")
+        around = [row for each in plain.split("\n") for row in _comment(each, Mark(file=file))]
+    else:
         lines = [(at, each) for at, each in enumerate(text.split("\n"), start=1) if each.lstrip().startswith("#")]
         around = [row for at, each in lines for row in _comment(each, Mark(file=file, line=at))]
         text = "\n".join("" if each.lstrip().startswith("#") else each for each in text.split("\n"))
@@ -292,13 +291,6 @@ def _without_columns(body: str, arguments: int) -> str:
         arguments -= depth == 0 and letter == "{"
         depth += (letter in "{[") - (letter in "}]")
     return body[at:]
-
-
-def _around_latex(text: str, file: str) -> list[CellRow]:
-    """The sentences around a table."""
-    plain = re.sub(r"\\(?:texttt|emph|text\w*)\{((?:[^{}\\]|\\.)*)\}", r"\1", re.sub(_COMMAND, "", text))
-    plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain))
-    return [row for line in plain.replace("--", "-").split("\n") for row in _comment(line, Mark(file=file))]
 
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:

@@ -75,7 +75,13 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
     """A CSV file of some columns, below what comments say."""
     lines: list[str] = []
     places: list[Place] = []
-    for field, value in _comments(table).items():
+    units = units_text(table) if (table.length_unit, table.angle_unit) != ("m", "rad") else ""
+    name = yaml_word(table.name) if table.name.strip() else ""
+    if re.search(rf"[,;\t]\s*[{COMPUTED}]", name):  # a spreadsheet takes its parts for cells: none begins with a sign
+        name = re.sub("[,;]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(table.name, ensure_ascii=False))
+    said = {"name": name, "convention": table.convention, "length_unit": units}
+    said |= {key: getattr(table, key) for key in ("base", "tool", "payload", "defaults")}
+    for field, value in ((field, text) for field, text in said.items() if text.strip()):
         places.append(Place(line=len(lines) + 1, column=1, row=None, field=field))
         lines.append(f"# {field if field not in ('length_unit', 'angle_unit') else 'units'}: {value}")
     lines.append(",".join(fields))
@@ -87,21 +93,6 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
             line += _cell(row.get(field, ""), is_name=field in ("robot", "joint", "link"))
         lines.append(line)
     return WrittenTable(content="\n".join([*lines, ""]).encode(), places=tuple(places))
-
-
-def _comments(table: TableText) -> dict[str, str]:
-    """What comment lines say, by key, in their order."""
-    units = units_text(table) if (table.length_unit, table.angle_unit) != ("m", "rad") else ""
-    said = {"name": _comment(table.name) if table.name.strip() else "", "convention": table.convention}
-    said |= {"length_unit": units, "base": table.base, "tool": table.tool, "payload": table.payload}
-    return {field: text for field, text in (said | {"defaults": table.defaults}).items() if text.strip()}
-
-
-def _comment(name: str) -> str:
-    """A name as YAML in a comment, whose parts a spreadsheet takes for cells: none of them begins with a sign."""
-    if not re.search(rf"[,;\t]\s*[{COMPUTED}]", name):
-        return yaml_word(name)
-    return re.sub("[,;]", lambda found: f"\\u{ord(found[0]):04x}", json.dumps(name, ensure_ascii=False))
 
 
 def _cell(text: str, *, is_name: bool) -> str:

@@ -26,8 +26,8 @@ from dh2urdf.source import Mark, Messages, Problem, did_you_mean, listed, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES, is_header
-from dh2urdf_plugins.readers.sources.several import choose, one_table, starts_table
 from dh2urdf_plugins.readers.table import read_table
+from dh2urdf_plugins.readers.tables.cell_rows import choose, one_table, starts_table
 from dh2urdf_plugins.readers.words.cells import text_of
 
 if TYPE_CHECKING:

@@ -1,14 +1,15 @@
-"""Rows of cells that come one by one, from whatever container, and which of them are no joints."""
+"""Rows of cells that come one by one, from whatever container, without those that are no joints of the table."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import replace
 from itertools import chain, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
+from dh2urdf.errors import TableError
 from dh2urdf.quantities import Symbols
-from dh2urdf.source import Messages, Problem
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import REQUIRED, CellRow
 from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import comment_text, is_header
@@ -21,11 +22,13 @@ from dh2urdf_plugins.readers.words.fields import FIELDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
+    from pathlib import Path
 
     from dh2urdf.columns import PlaceInFile
-    from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.words.cells import Value
+
+    Table = TypeVar("Table")
 
 _BATCH = 200
 """Rows that are handed on at once."""
@@ -194,9 +197,75 @@ def _names_fields(row: CellRow) -> bool:
     return len(fields) > 1 and None not in fields and len({each.name for each in fields if each}) == len(fields)
 
 
+def has_number(row: CellRow) -> bool:
+    """Whether a cell of a row is a number, which no header has."""
+    return any(isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES)) for cell in row.cells)
+
+
 def other_header(row: CellRow, number: int) -> Problem | None:
     """What is wrong with a row that is the header of another table; None where it is none."""
-    if any(is_number(text_in(cell).strip()) for cell in row.cells):
+    if has_number(row):
         return None  # it is known without a look at what its words mean
     code = "header-of-another-table" if is_header(row) else "header-of-the-same-joints" if _names_fields(row) else None
     return say(code, row.mark, joint=f"joint_{number}", number=number) if code else None
+
+
+# --- Several tables in one file ---------------------------------------------------------------------------------------
+
+
+def choose(tables: Sequence[Table], places: Sequence[str], number: int | None, path: Path | str) -> Table:
+    """The table that a number means, from 1, or the only one; places are where each begins, as a sentence names it."""
+    if number is not None and 0 < number <= len(tables):
+        return tables[number - 1]
+    if len(tables) == 1 and number is None:
+        return tables[0]
+    mark, found = Mark(file=str(path)), None if number is None else str(number)
+    if not tables:
+        raise TableError(say("no-table", mark, field="columns", found=found))
+    count = "1 table" if len(tables) == 1 else f"{len(tables)} tables"
+    listed = [f"{at} in {place}" for at, place in enumerate(places, start=1)]
+    raise TableError(
+        say("several-tables", mark, field="table_number", found=found, count=count, places=listed, most=len(tables))
+    )
+
+
+def starts_table(row: CellRow) -> bool:
+    """Whether a row is a header, and so begins a table; it has no number in it."""
+    return not has_number(row) and is_header(row)
+
+
+def one_table(rows: Iterable[CellRow], number: int) -> Iterator[CellRow]:
+    """The rows of one of several tables below each other, which are counted from 1.
+
+    What is above the first header holds for every table, unless the lines above a table's own header say it.
+    """
+    top: list[CellRow] = []
+    held: list[CellRow] = []  # rows without a number, which a header may follow
+    seen = 0
+    for row in rows:
+        if starts_table(row):
+            seen += 1
+            if seen > number:
+                return
+            if seen == number:
+                own = {key for each in held if (key := _key(each))}
+                yield from (each for each in top if _key(each) not in own)
+                yield from held
+                yield row
+            held = []
+        elif not seen:
+            top.append(row)
+        else:
+            held.append(row)
+            if has_number(row):
+                yield from held if seen == number else ()
+                held = []
+    yield from held if seen else top
+
+
+def _key(row: CellRow) -> str | None:
+    """What a line above a header declares something under."""
+    if not any(map(text_in, row.cells)):
+        return None
+    key, colon, _ = comment_text(row).partition(":")
+    return key.strip("#%/ ").casefold() if colon else None

@@ -23,7 +23,6 @@ HEADERS = {
     ("alpha", None, "i"): r"$\alpha_i$; ⍺ⱼ",
     ("alpha", None, "i-1"): r"\alpha_{i-1}",
     ("alpha", "°", None): "α°; α [º]; α [\N{WHITE BULLET}]",
-    ("alpha", "rad", None): "α [r a d ]",
     ("alpha", "DEG", None): "ALPHA (DEG)",
     ("alpha", "deg", "i+1"): "alpha_{i+1} [deg]",
     (None, "deg", None): "alpha_{ii-1} [deg]",

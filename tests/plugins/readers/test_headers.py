@@ -147,7 +147,7 @@ def test_a_column_with_values_is_refused(header: str, cell: str, read: Read) -> 
         ({"Range": "±1", "lower": "0"}, "two-columns"),
         ({"theta": "0", "theta offset": "1"}, "unknown-column"),
         ({"theta_min": "-1", "theta_max": "1", "offset": "0.5"}, "bound-of-theta"),
-        ({**BODY, "inertia": "0.1 0 0 0.1 0 0.1"}, "inertia-of-six"),
+        ({**BODY, "inertia": "0.1 0 0 0.1 0 0.1"}, "inertia-no-matrix"),
         ({"com": "0.1 0.2"}, "com-not-three"),
         ({"tetha": "1"}, "misspelt-header"),
         ({"-d [mm]": "1"}, "header-with-sign"),

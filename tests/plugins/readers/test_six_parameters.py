@@ -188,7 +188,7 @@ def test_many_arms_of_one_file(convention: str, cli: Callable[..., Answer], tmp_
         ("modified", "a,alpha,d,gamma,b\n0,0,1,0,1e12\n", "b-too-long"),
         ("standard", "a,alpha,d,beta\n0,0,1,90\n", "angle-in-degrees"),
         ("standard", "a,alpha,d,beta\n0,0,1,q1\n", "variable-elsewhere"),
-        ("modified", "a_{i-1},alpha_{i-1},d,beta_{i-1}\n0,0,1,0.1\n", "link-before"),
+        ("modified", "a_{i-1},alpha_{i-1},d,beta_{i-1}\n0,0,1,0.1\n", "other-link"),
     ],
 )
 def test_what_cannot_be(convention: str, table: str, code: str) -> None:

@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.words.cells import Cell, Value
     from dh2urdf_plugins.readers.words.comment_lines import Comment
+    from dh2urdf_plugins.readers.words.fields import Field
 
 say = Messages(__file__)
 Row: TypeAlias = "Sequence[Value]"
 """The cells of a row, one for each column."""
 
-_NUMBERED = r"(?:joint|axis|link|gelenk|achse|axe|articulation|eje|asse|giunto|[ajq])?[\s_.#]*[0-9]{1,2}"
 TURN_ROUND = "the joints seem to be in columns: turn the table round, so that each joint has a row"
 """What to do about a table whose header names joints."""
 _SIGMA = {"0": JointType.REVOLUTE, "1": JointType.PRISMATIC, "2": JointType.FIXED}
@@ -59,41 +59,23 @@ _LONGEST_VARIABLE = 40
 
 @dataclass(slots=True)
 class Columns:
-    """What the header says.
-
-    Attributes:
-        mark: the place of the header.
-        headers: the header of each column, as it is written.
-        decimal_comma: whether a comma may stand for the decimal point.
-        quoted_commas: whether it may do so in a cell that is a text of its own, such as one in quotes between commas.
-        fields: the field of each column, or None.
-        units: the units that headers declare, by field.
-        marks: the place of each header.
-        silent: columns that name no field and are left out, as long as they have held nothing.
-        modified: the column whose header means the modified convention.
-        ignored: columns that their author wants to be left out.
-        notices: messages about the header.
-        numbers: the columns whose cells are numbers already, or all text.
-        of_theta: columns of limits whose headers call them bounds of theta.
-        as_written: whether names are as they are written, as in YAML.
-        types: what the cells of the column of types mean besides words for types: codes under σ, truth values.
-    """
+    """What the header says: lists with an entry for each column, and what some of them hold."""
 
     mark: Mark
     headers: list[str]
-    decimal_comma: bool = False
-    quoted_commas: bool = False
+    decimal_comma: bool = False  # whether a comma may stand for the decimal point
+    quoted_commas: bool = False  # whether it may do so in a cell that is a text of its own, in quotes between commas
     fields: list[str | None] = field(default_factory=list)
-    units: dict[str, Unit] = field(default_factory=dict)
+    units: dict[str, Unit] = field(default_factory=dict)  # by field
     marks: list[Mark] = field(default_factory=list)
-    silent: set[int] = field(default_factory=set)
-    modified: int | None = None
-    ignored: set[int] = field(default_factory=set)
+    silent: set[int] = field(default_factory=set)  # columns without a field, as long as they have held nothing
+    modified: int | None = None  # the column whose header means the modified convention
+    ignored: set[int] = field(default_factory=set)  # columns that their author wants to be left out
     notices: list[Problem] = field(default_factory=list)
-    numbers: frozenset[int] = frozenset()
-    as_written: bool = False
-    of_theta: set[int] = field(default_factory=set)
-    types: dict[str, JointType] = field(default_factory=dict)
+    numbers: frozenset[int] = frozenset()  # columns whose cells are numbers already, or all text
+    as_written: bool = False  # whether names are as they are written, as in YAML
+    of_theta: set[int] = field(default_factory=set)  # columns of limits that are called bounds of theta
+    types: dict[str, JointType] = field(default_factory=dict)  # codes under σ, and truth values
 
     @property
     def names(self) -> list[str]:
@@ -165,15 +147,15 @@ def name_columns(
     _settle_names(read)
     _settle_types(columns, read)
     problems = _settle_khalil(columns, read, convention)
+    columns.fields = [header.field.name if header.field else None for header in read]
     first: dict[str, int] = {}
     meant: set[str] = set()
     for index, header in enumerate(read):
         text, place = headers[index], marks[index]
-        columns.fields.append(header.field.name if header.field else None)
         if header.ignored:
             columns.ignored.add(index)
         elif header.field:
-            problems += [*_measure(columns, header, index), *_other_link(header, text, place)]
+            problems += _measure(columns, header, index)
             keys = ("sign",) if header.field.name == "flip" else header.field.columns
             twins = [key for key in keys if first.setdefault(key, index) != index]
             problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
@@ -246,22 +228,20 @@ def _settle_khalil(columns: Columns, read: list[Header], convention: Convention 
     return []
 
 
-def _other_link(header: Header, text: str, mark: Mark) -> list[Problem]:
-    """Refuses an index of another link than the row's, but for a and alpha of the link before."""
-    name = header.field.name if header.field else ""
-    if header.link in (None, "i") or (header.link == "i-1" and name in ("a", "alpha")):
-        return []
-    return [say("link-before" if header.link == "i-1" else "other-link", mark, field=name, found=text)]
-
-
 def _links(columns: Columns, read: Sequence[Header]) -> list[Problem]:
-    """Takes the column that means the modified convention, and refuses a mixture of both."""
-    links = {header.link: k for k, header in enumerate(read) if columns.fields[k] in ("a", "alpha")}
+    """Takes the column of the link before, which means the modified convention; refuses other links and a mixture."""
+    problems, links = list[Problem](), dict[str | None, int]()
+    for index, (name, header) in enumerate(zip(columns.fields, read, strict=True)):
+        if name in ("a", "alpha"):
+            links[header.link] = index
+        if name and header.link not in ((None, "i", "i-1") if name in ("a", "alpha") else (None, "i")):
+            text = columns.headers[index]
+            problems.append(say("other-link", columns.marks[index], field=name, found=text))
     columns.modified = links.get("i-1")
-    if not {"i", "i-1"} <= links.keys():
-        return []
-    before, own = (columns.headers[links[link]] for link in ("i-1", "i"))
-    return [say("mixed-links", columns.mark, field="convention", before=before, own=own)]
+    if {"i", "i-1"} <= links.keys():
+        before, own = (columns.headers[links[link]] for link in ("i-1", "i"))
+        problems.append(say("mixed-links", columns.mark, field="convention", before=before, own=own))
+    return problems
 
 
 # --- What is wrong with one -------------------------------------------------------------------------------------------
@@ -279,30 +259,30 @@ def _twins(columns: Columns, index: int, other: int, name: str) -> Problem:
 
 def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
     """Takes the unit of a column of numbers, and refuses a header with a sign."""
-    text, mark, measured = columns.headers[index], columns.marks[index], header.field
-    if measured is None or measured.dimension is None:
+    text, mark, held = columns.headers[index], columns.marks[index], header.field
+    if held is None or held.dimension is None:
         return []
-    name = measured.name
-    problems = [say("header-with-sign", mark, field=name, found=text)] if text.startswith(("-", "−", "–")) else []
-    if name in ("lower", "upper", "limits") and "theta" in header.key:
+    about = {"mark": mark, "field": held.name}
+    problems = [say("header-with-sign", **about, found=text)] if text.startswith(("-", "−", "–")) else []
+    if held.name in ("lower", "upper", "limits") and "theta" in header.key:
         columns.of_theta.add(index)
-    faults = []
-    for dimension in filter(None, (measured.dimension, measured.linear)) if header.unit else ():
-        try:
-            unit = find_unit(header.unit or "", dimension)
-        except QuantityError as error:
-            faults.append(error)
-        else:
-            columns.units.update(dict.fromkeys(measured.columns, unit))
-            return problems
-    if measured.dimension is Dimension.NUMBER:
-        if faults and is_unit(header.unit or ""):  # and no remark: `sign [+-1]`
-            problems.append(say("unit-of-number", mark, field=name, found=header.unit))
-        return problems
-    for fault in faults[:1]:
-        about = {"reason": fault.message, "accepted": fault.accepted, "suggestion": fault.suggestion}
-        problems.append(say("unit-of-header", mark, field=name, found=header.unit, **about))
+    unit = _unit(header.unit, held) if header.unit else None
+    if isinstance(unit, Unit):
+        columns.units |= dict.fromkeys(held.columns, unit)
+    elif unit and (held.dimension is not Dimension.NUMBER or is_unit(header.unit or "")):  # `sign [+-1]` has a remark
+        about |= {"reason": unit.message, "accepted": unit.accepted, "suggestion": unit.suggestion}
+        problems.append(say("unit-of-header", **about, found=header.unit))
     return problems
+
+
+def _unit(text: str, held: Field) -> Unit | QuantityError:
+    """The unit that a text is in a column of a field, or why it is none."""
+    try:
+        return find_unit(text, held.measures())
+    except QuantityError as error:
+        with suppress(QuantityError):
+            return find_unit(text, held.measures(slides=True))
+        return error
 
 
 def _missing(name: str, columns: Columns) -> Problem:
@@ -318,9 +298,10 @@ def _missing(name: str, columns: Columns) -> Problem:
 
 
 def are_joints(headers: Sequence[str]) -> bool:
-    """Whether headers are the joints of an arm, whose fields are in rows."""
-    others = [text.strip().casefold() for text in headers[1:] if text.strip()]
-    return len(others) > 1 and all(re.fullmatch(_NUMBERED, each) for each in others)
+    """Whether headers are the joints of an arm, whose fields are in rows: words for a joint or none, and a number."""
+    others = [re.fullmatch(r"(.*?)[0-9]{1,2}", text.strip()) for text in headers[1:] if text.strip()]
+    words = keys_in("rows", "joints") | {""}
+    return len(others) > 1 and all(match and key_of(match[1].casefold().strip(" #")) in words for match in others)
 
 
 # --- Columns that no field knows --------------------------------------------------------------------------------------
@@ -332,18 +313,12 @@ def refusal(text: str) -> Refusal:
     header = read_header(text)
     if meaning := unheld(header.key):
         return meaning._replace(reason=f"is {meaning.reason}, which no column holds")
-    names = [name for name in FIELDS if header.unit and _measures(header.unit, name)]
+    fields = FIELDS.values() if header.unit else ()
+    names = [each.name for each in fields if each.dimension and isinstance(_unit(header.unit or "", each), Unit)]
     near = misspelt(header.key) if header.key else None
     likely = f"did you mean {near.name!r}?" if near else did_you_mean(text, FIELDS) if len(text) > len("id") else None
     accepted = f"one of the columns {', '.join(names or FIELDS)}" + (f"; {likely}" if likely else "")
     return Refusal("is no field" if text else "has no header", accepted, any_text=False)
-
-
-def _measures(unit: str, name: str) -> bool:
-    for dimension in filter(None, (FIELDS[name].dimension, FIELDS[name].linear)):
-        with suppress(QuantityError):
-            return find_unit(unit, dimension) is not None
-    return False
 
 
 def refused(cell: Cell, header: str, number: int) -> Problem | None:
@@ -352,7 +327,10 @@ def refused(cell: Cell, header: str, number: int) -> Problem | None:
     is_no = flip_of(text) is False or is_zero(text)
     if not text or is_no != why.if_no or (why.counts and re.match(rf"(?i)j?{number}\b", text)):
         return None
-    if not why.any_text and (not is_value(text) or _is_variable_of(text, number)):
+    said = None if why.any_text else _expression(text)
+    variable = said.variable if said and not said.value and said.sign > 0 else None
+    is_own = variable is not None and variable.row == number and variable.kind != "d"  # `q1` in the first row
+    if not why.any_text and (is_own or not is_value(text)):
         return None
     about = {"reason": why.reason, "accepted": why.accepted, "ignoring": IGNORED + header}
     return say("unknown-column", cell.mark, joint=f"joint_{number}", field=header, found=cell.text, **about)
@@ -368,13 +346,6 @@ def is_value(text: str) -> bool:
     return _expression(text) is not None
 
 
-def _is_variable_of(text: str, number: int) -> bool:
-    """Whether a cell is the joint variable of its row, and nothing besides: ``q1`` in the first one."""
-    said = _expression(text)
-    variable = said.variable if said and not said.value and said.sign > 0 else None
-    return variable is not None and variable.row == number and variable.kind != "d"
-
-
 def _expression(text: str) -> Quantity | None:
     """The angle or the length that a cell says, or the numbered joint variable; None where it says none."""
     if len(text) <= _LONGEST_VARIABLE and re.search(r"[0-9π]|(?i:^\s*-?pi\s*$)", text):
@@ -385,13 +356,5 @@ def _expression(text: str) -> Quantity | None:
 
 
 def stray_number(text: str, mark: Mark, number: int) -> Problem:
-    """A number in a column without a header, in the row of a number: it belongs to the table, and may be any field."""
+    """A number in a column without a header: it belongs to the table, and may be any field."""
     return say("stray-number", mark, joint=f"joint_{number}", found=text)
-
-
-def left_out(columns: Columns, some: Iterable[int]) -> Problem:
-    """The notice of all columns of a table that are left out."""
-    first, *_ = indexes = [*some]
-    named = [(index, columns.headers[index]) for index in indexes]
-    names = [shown(text) if text else f"{index + 1} (without a header)" for index, text in named]
-    return say("columns-left-out", columns.marks[first], found=named[0][1], names=names)

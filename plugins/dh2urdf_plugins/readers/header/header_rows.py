@@ -11,6 +11,7 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
+from dh2urdf_plugins.readers.words.fields import key_of, keys_in
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 _UNIT = r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]"
-_DASHES = frozenset("- – — [-] [–] (-) [] n/a unit units einheit einheiten unité unidad unità".split()) | {""}  # noqa: SIM905
-"""What a row of units has where there is none."""
 
 
 def text_in(cell: object) -> str:
@@ -28,9 +27,7 @@ def text_in(cell: object) -> str:
         return cell.found or ""
     if cell is None or isinstance(cell, str):
         return cell or ""
-    if isinstance(cell, bool):
-        return "true" if cell else "false"
-    return text_of(cell) if isinstance(cell, float) else str(cell)
+    return text_of(cell) if isinstance(cell, float) else str(cell).lower() if isinstance(cell, bool) else str(cell)
 
 
 def is_number(text: str) -> bool:
@@ -47,6 +44,11 @@ def unit_in(text: str) -> str | None:
     """The unit that a cell is, in brackets or not: ``mm``, ``[deg]``; None where it is none."""
     word = text.strip(f"{SPACES}[]()")
     return word if word and is_unit(word) else None
+
+
+def _is_dash(text: str) -> bool:
+    """Whether a cell of a row of units says that there is none: empty, ``-``, ``n/a``."""
+    return key_of(text.strip(f"{SPACES}[]()–—").casefold()) in {"", *keys_in("headers", "no_unit")}
 
 
 def is_beside(index: int, named: Sequence[object]) -> bool:
@@ -75,15 +77,14 @@ def completed(header: CellRow, row: CellRow) -> CellRow | None:
         return None
     names, texts = headers_in(header), headers_in(row)
     filled = [(name, text) for name, text in _pairs(names, texts) if text]
-    says = any(unit_in(text) or text not in _DASHES for _, text in filled)
-    if not says or not all(_is_part(name, text) for name, text in filled):
+    if all(map(_is_dash, texts)) or not all(_is_part(name, text) for name, text in filled):
         return None
     below: list[str] = []
     for name, text, mark in zip(names, texts, row.marks or [row.mark] * len(texts), strict=False):
         said, unit = read_header(name).unit, unit_in(text)
         if said and unit and said.casefold() != unit.casefold():
             raise TableError(say("row-of-units", mark, found=unit, header=name))
-        below.append(text if (name and unit) or text.casefold() not in _DASHES else "")
+        below.append(text if (name and unit) or not _is_dash(text) else "")
     return join_headers(header, CellRow(below, header.mark, header.marks))
 
 
@@ -123,7 +124,7 @@ def _joined(top: str, sub: str) -> str:
 
 def _is_part(name: str, text: str) -> bool:
     """Whether a cell below a name is its unit, a dash for none, or the name of one of its fields."""
-    if unit_in(text) or text.casefold() in _DASHES:
+    if unit_in(text) or _is_dash(text):
         return True
     title = read_header(name).field
     return (not title or bool(title.parts)) and any(read_header(each).field for each in (f"{name} {text}", text))

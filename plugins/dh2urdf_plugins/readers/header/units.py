@@ -35,6 +35,7 @@ KEY_OF = {dimension: key for key, dimensions in UNIT_KEYS.items() for dimension 
 """The keys of `units` by what they declare the unit of."""
 _GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
 _PLURAL = {Dimension.LENGTH: "lengths", Dimension.ANGLE: "angles", Dimension.MASS: "masses"}
+_PLURAL[Dimension.INERTIA] = "moments of inertia"
 _RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
 """What has the unit of lengths or angles per second, where these have a sure one."""
 _OF_THE_JOINT = ("offset", "lower", "upper")
@@ -45,49 +46,35 @@ _TENSOR, _EFFORTS = (
 _GROUPS = (*_GEOMETRY.values(), _OF_THE_JOINT, COM, _TENSOR, _EFFORTS)
 """Columns that are beside each other, and are hardly in two units."""
 _MADE_OF = (
-    (Dimension.INERTIA, Dimension.INERTIA, (Dimension.LENGTH, Dimension.MASS)),
+    (Dimension.INERTIA, Dimension.INERTIA, (Dimension.LENGTH, Dimension.MASS, *COM, "mass")),
     (Dimension.DAMPING, Dimension.DAMPING, (Dimension.ANGLE, Dimension.LENGTH)),
     (Dimension.LINEAR_DAMPING, Dimension.LINEAR_DAMPING, (Dimension.LENGTH,)),
     ("friction", Dimension.TORQUE, (Dimension.LENGTH,)),
+    (Dimension.MASS, Dimension.MASS, (Dimension.INERTIA, *INERTIA)),
 )
-"""Kinds of quantities, and a field, with what is in their units: where that is not in SI units, theirs are not sure."""
+"""Kinds of quantities, and a field, with kinds and columns that go with them: whose units make theirs unsure."""
 
 
 class Doubt(NamedTuple):
-    """Why the unit of bare numbers is not sure.
+    """Why the unit of bare numbers is not sure."""
 
-    Attributes:
-        reason: more about the fault, as half a sentence.
-        unit: a unit that they may have.
-        dimension: what that unit measures, where a field has numbers of two kinds.
-    """
-
-    reason: str
-    unit: str
-    dimension: Dimension | None = None
+    reason: str  # half a sentence
+    unit: str  # one that they may have
+    dimension: Dimension | None = None  # what that measures, where a field has numbers of two kinds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Units:
-    """What a table declares about its units and its numbers.
+    """What a table declares about its units and its numbers."""
 
-    Attributes:
-        known: the units of bare numbers, by what they measure; the SI unit where there is none.
-        columns: the units that headers declare, by field.
-        doubts: why bare numbers other than 0 have no sure unit, by what they measure or by field.
-        decimal_comma: whether a comma may stand for the decimal point.
-        symbols: what names of lengths and angles stand for.
-        repair_pi: whether an angle that is nearly a multiple of π/2 is one.
-        bare: outside of rows, the first number of each kind that is read in the SI unit since nothing says its unit,
-            and its field.
-    """
-
-    known: Mapping[Dimension, Unit] = field(default_factory=dict)
-    columns: Mapping[str, Unit] = field(default_factory=dict)
-    doubts: Mapping[str, Doubt] = field(default_factory=dict)
-    decimal_comma: bool = False
+    known: Mapping[Dimension, Unit] = field(default_factory=dict)  # of bare numbers; the SI unit where there is none
+    columns: Mapping[str, Unit] = field(default_factory=dict)  # those that headers declare, by field
+    doubts: Mapping[str, Doubt] = field(default_factory=dict)  # by dimension or by field: bare numbers are refused
+    decimal_comma: bool = False  # whether a comma may stand for the decimal point
     symbols: Symbols = field(default_factory=Symbols, compare=False)
-    repair_pi: bool = False
+    repair_pi: bool = False  # whether an angle that is nearly a multiple of π/2 is one
+    # Outside of rows, the first number of each kind that is read in the SI unit since nothing says its unit, and its
+    # field.
     bare: dict[Dimension, tuple[str, Cell]] = field(default_factory=dict, compare=False)
 
     @property
@@ -166,25 +153,18 @@ def _of_kinds(
     doubts: Mapping[str, Doubt],
 ) -> dict[str, Doubt]:
     """Why the unit of a whole kind of quantities is in doubt: it may go with another that is not the SI unit."""
-
-    def foreign(units: Mapping[Any, Unit], names: Mapping[Any, str]) -> dict[str, str]:
-        given = {name: units[name] for name in names if name in units}
-        return {name: _unit_of(names[name], unit) for name, unit in given.items() if not unit.is_si}
-
-    reasons = foreign(known, _PLURAL) | {what: doubt.reason for what, doubt in doubts.items()}
-    bodies = [*foreign(headers, {name: name for name in (*COM, "mass")}).values()]
+    said: dict[str, Unit] = {**known, **headers}
+    foreign = {what: unit for what, unit in said.items() if not (unit.is_si or unit.symbol.startswith("kg"))}
+    reasons = {what: _unit_of(_PLURAL.get(what, what), unit) for what, unit in foreign.items()}
+    reasons |= {what: doubt.reason for what, doubt in doubts.items()}
     found: dict[str, Doubt] = {}
     for what, measured, parts in _MADE_OF:
-        why = [reasons[part] for part in parts if part in reasons] + (bodies if what is Dimension.INERTIA else [])
+        why = next((reasons[part] for part in parts if part in reasons), None)
         if why and measured not in stated:
-            found[what] = Doubt(why[0], SI_UNITS[measured])
+            found[what] = Doubt(why, SI_UNITS[measured])
     for rate, base in _RATES.items():
         if base in doubts and rate not in stated:
             found[rate] = Doubt(doubts[base].reason, SI_UNITS[rate])
-    of_inertia = filter(None, (stated.get(Dimension.INERTIA), *map(headers.get, INERTIA)))
-    other = next((unit for unit in of_inertia if not unit.symbol.startswith("kg")), None)
-    if other and Dimension.MASS not in stated:
-        found[Dimension.MASS] = Doubt(_unit_of("moments of inertia", other), other.symbol.partition("·")[0])
     for key, kinds in UNIT_KEYS.items():  # what declares the unit of one kind of joints leaves open that of the other
         declared = [stated[kind] for kind in kinds if kind in stated]
         for left in kinds if declared else ():
@@ -220,11 +200,7 @@ def unit_advice(doubt: Doubt, dimension: Dimension, text: str) -> str:
 
 
 def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension, units: Units) -> None:
-    """Refuse a number that stands outside of rows where its unit is not sure, and remember it where nothing says it.
-
-    Raises:
-        QuantityError: it names no unit, is not 0, and its unit is in doubt.
-    """
+    """Refuses a bare number outside of rows where its unit is not sure, and remembers it where nothing says it."""
     if not quantity.value or quantity.has_unit or quantity.is_radians(dimension):
         return
     if doubt := units.doubt(dimension):
@@ -239,11 +215,7 @@ def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Pro
     """What is wrong with bare numbers outside of rows where all lengths, or all angles, of rows name another unit.
 
     Bare numbers of rows are worth a notice where other cells of their column, or of one beside it, name such a unit.
-
-    Args:
-        units: the units of the table, with the bare numbers outside of rows.
-        foreign: the first cell that names another unit than the SI unit, by field and by what it measures.
-        bare: the first cell that has no unit and is read in the SI unit, by the same.
+    Of both kinds of cells each field has the first.
     """
     seen = set[tuple[tuple[str, ...], Dimension]]()
     for (name, dimension), cell in bare.items():

@@ -31,8 +31,6 @@ _FORMS = tuple(
         ("⍺", "α"),  # the α of APL is a toolbox's
         (r"(?<=[qθ])[\W_]*[ijk][\W_]+(?=(?:min|max|lower|upper)\b)", " "),  # `q_{i,max}`
         (r"(?<=[\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3])(?=[a-zA-Zα-ωΑ-Ω])", " "),  # `连杆长度a`
-        (r"(?<=[\[(])\s*r a d\s*(?=[\])])", "rad"),  # as PDFs have it
-        (r"(?<=[\[(])\s*d e g\s*(?=[\])])", "deg"),
     )
 )
 _FOOTNOTE = r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*(?:[\[({]|$))|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$"
@@ -52,21 +50,13 @@ _SURE, _LONG, SHORTEST_CORE = 4, 5, 3
 
 
 class Header(NamedTuple):
-    """What a header says.
+    """What a header says."""
 
-    Attributes:
-        field: the field that it names; None where no field is called so.
-        key: the header without its unit, and without case, separators and accents.
-        unit: the unit that it names.
-        link: ``i``, ``i-1`` for a parameter of the link before, as the modified convention has them, or another index.
-        ignored: whether its author wants the column to be left out.
-    """
-
-    field: Field | None
-    key: str
+    field: Field | None  # None where no field is called so
+    key: str  # without its unit, and without case, separators and accents
     unit: str | None = None
-    link: str | None = None
-    ignored: bool = False
+    link: str | None = None  # `i`, `i-1` for a parameter of the link before, or another index
+    ignored: bool = False  # whether its author wants the column to be left out
 
     @property
     def is_known(self) -> bool:
@@ -192,7 +182,6 @@ def field_of(key: str) -> Field | None:
 
 @cache
 def _around(name: str) -> tuple[str, ...]:
-    """The keys of the words that may stand around the headers of a field."""
     return tuple({key for word in FIELDS[name].around for key in keys_of(word)})
 
 

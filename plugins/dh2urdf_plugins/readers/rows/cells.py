@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import DEGREE_SIGNS, plain_text, unwrapped
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf_plugins.readers.header.columns import left_out, refusal, refused, stray_number
+from dh2urdf_plugins.readers.header.columns import refusal, refused, stray_number
 from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
@@ -177,8 +177,10 @@ class CellReader:
     def finish(self) -> None:
         """Reports what is wrong with columns and numbers of all rows, and once which columns are left out."""
         self.reader.add(*filter(None, [*self.refused.values(), self._in_two_ways()]))
-        headers, of_types = self.columns.headers, self.reader.types_from
-        found = [index for index in sorted(self.left_out - self.refused.keys()) if headers[index] != of_types]
+        columns, left_out = self.columns, sorted(self.left_out - self.refused.keys())
+        found = [index for index in left_out if columns.headers[index] != self.reader.types_from]
         if found:
-            self.reader.add(left_out(self.columns, found))
-        self.columns.silent.difference_update(found)
+            first, headers = found[0], columns.headers
+            names = [shown(headers[k]) if headers[k] else f"{k + 1} (without a header)" for k in found]
+            self.reader.add(say("columns-left-out", columns.marks[first], found=headers[first], names=names))
+        columns.silent.difference_update(found)

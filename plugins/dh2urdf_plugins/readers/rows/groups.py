@@ -7,11 +7,13 @@ two ways is refused.
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import COM, INERTIA
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit, is_zero
 from dh2urdf.source import Mark, Messages, Problem, shown
+from dh2urdf_plugins.readers.words.fields import vocabulary, words_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,18 +22,13 @@ if TYPE_CHECKING:
 
 _BRACKETS = "[](){}<>"
 _PLUS_MINUS = r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)"
-_TO = (
-    r"\s*(?:…|\.{2,}|[~〜～至到→]|-+>|[≤<]=?[^0-9≤<]{1,9}?[0-9]{0,2}\s*[≤<]=?)\s*|\s+[-–—]\s+(?=[-+])"
-    r"|\s+(?:to|bis|up to|jusqu'à|à|a|hasta|fino a|até|до|do)\s+"
-)
-"""Between two bounds: ``-170 to 170``, ``-170° ≤ θ1 ≤ 170°``, ``-170 – +170``."""
+_TO = r"\s*(?:…|\.{2,}|[~〜～至到→]|-+>|[≤<]=?[^0-9≤<]{1,9}?[0-9]{0,2}\s*[≤<]=?)\s*|\s+[-–—]\s+(?=[-+])"
+"""Between two bounds, besides words: ``-170...170``, ``-170° ≤ θ1 ≤ 170°``, ``-170 – +170``."""
 _SPACED = r"(?i)(-(?:(?!\s[-–—]).)*)\s+[-–—]\s+([0-9.πp](?:(?!\s[-–—]).)*)"
 """Two bounds with a dash between spaces, the first of them negative: ``-170 – 170``."""
-_FROM = r"(?i)^(?:from|von|de|desde|da|od|от)\s+(?=[-+0-9])"
 _DECIMAL_COMMA = r"(?<=[0-9]),(?=(?:[0-9]{1,2}|[0-9]{4,})(?![0-9]))"
 _NUMBER = r"[+-]?\s*[0-9]+(?:[.,][0-9]+)?(?:e[+-]?[0-9]+)?"
 _PAIR = rf"(?i)({_NUMBER}[^0-9/+,;-]*?)\s*([/÷]|\s(?=[+0-9.]))\s*({_NUMBER}[^0-9/,;]*)"
-_DASHED = r"([+-]?\s*[0-9][^+–—-]*)[–—-]\s*([0-9][^+–—-]*)"
 _NAMED_PART = r"(?i)([a-z_]+)\s*[:=]\s*((?:[^,;=:]|,(?=[0-9]))+)"
 _BEFORE_NAME = r"(?i),(?=\s*[a-z_]+\s*[:=])"
 _DIAGONAL = r"(?i)diag\s*[(\[]([^()\[\]]*)[)\]]"
@@ -80,14 +77,14 @@ def _named_parts(field: Field, text: str) -> dict[str, str] | None:
 
 
 def _bounds(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict[str, str] | Problem:
-    inner, unit = _without_brackets(re.sub(_FROM, "", text, count=1))
+    inner, unit = _without_brackets(re.sub(rf"(?i)^(?:{_words('before_bounds')})\s+(?=[-+0-9])", "", text, count=1))
     if match := re.fullmatch(_PLUS_MINUS, inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
         if re.search(r"[+±,;…~]|-|\.\.", size) or not re.search(r"[\w(]", size):  # `±∞`
             return _not_two(text, about)
         return _both(f"-{match[1]}", match[1], unit)
-    pair = re.split(_TO, inner)
+    pair = re.split(rf"{_TO}|\s+(?:{_words('between_bounds')})\s+", inner)
     if len(pair) == 1 and (match := re.fullmatch(_SPACED, inner)):
         pair = [match[1], match[2]]
     if len(pair) == 1 and (match := re.fullmatch(_PAIR, inner)):
@@ -107,6 +104,12 @@ def _bounds(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict
     return _both(lower, upper, unit)
 
 
+@cache
+def _words(line: str) -> str:
+    """A pattern of the words of a line of the vocabulary."""
+    return "|".join(words_in(vocabulary()["rows"][line]))
+
+
 def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
     """Two bounds, of which one may name the unit of both."""
     of_lower, of_upper = unit_at_end(lower), unit_at_end(upper)
@@ -114,11 +117,7 @@ def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
 
 
 def _not_two(text: str, about: Mapping[str, Any]) -> Problem:
-    if re.fullmatch(r"[0-9]+(?:[.,][0-9]+)?[^0-9]{0,4}", text):
-        return say("range-of-one", **about, text=text)
-    dash = re.fullmatch(_DASHED, text)
-    two = f"a dash may be a minus: write '{dash[1].strip()} to {dash[2].strip()}' if it means that" if dash else None
-    return say("range-unclear", **about, text=shown(text), suggestion=two)
+    return say("range-unclear", **about, text=shown(text))
 
 
 def unit_at_end(text: str) -> str | None:
@@ -153,15 +152,11 @@ def _with_unit(item: str, unit: str | None) -> str:
     return f"{item} {unit}" if unit and not unit_at_end(item) else item
 
 
-def _count(items: list[str]) -> str:
-    return "one number" if len(items) == 1 else f"{len(items)} numbers"
-
-
 def _vector(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict[str, str] | Problem:
     inner, unit = _without_brackets(text)
     items = _items(inner, decimal_comma=decimal_comma)
     if len(items) != len(COM):
-        return say("com-not-three", **about, text=shown(text), count=_count(items))
+        return say("com-not-three", **about, text=shown(text), count=len(items))
     return {name: _with_unit(item, unit) for name, item in zip(COM, items, strict=True)}
 
 
@@ -177,9 +172,7 @@ def _tensor(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict
     rows = [row.strip(around + " ,;") for row in re.split(between, inner)]
     items = [item for row in rows if row for item in _items(row, decimal_comma=decimal_comma)]
     if len(items) != len(_TENSOR):
-        about = {**about, "text": shown(text), "count": _count(items)}
-        six, three = len(items) == len(INERTIA), len(items) == len(COM)
-        return say("inertia-of-six" if six else "inertia-of-three" if three else "inertia-no-matrix", **about)
+        return say("inertia-no-matrix", **about, text=shown(text), count=len(items))
     parts: dict[str, str] = {}
     for name, item in zip(_TENSOR, (_with_unit(item, unit) for item in items), strict=True):
         if parts.setdefault(name, item) != item and not is_zero(f"{item} - ({parts[name]})"):

@@ -40,12 +40,7 @@ say = Messages(__file__)
 class JointRows:
     """The rows of one manipulator, which get their types and names as far as only all rows together show them.
 
-    Args:
-        rows: the cells of each row by field, and its place; None where they cannot be told apart. They are changed.
-        reader: what takes the problems.
-
-    Attributes:
-        first: the number of the first row: 1, or 0 where it is the base and the joints are counted from the next one.
+    The cells of each row are changed; they are None where they cannot be told apart.
     """
 
     def __init__(self, rows: Sequence[tuple[Cells | None, Mark]], reader: RowReader) -> None:
@@ -65,23 +60,17 @@ class JointRows:
         for place, cells in self.rows.items():
             if not ("type" in cells and cells["type"].text):
                 self._settle_type(place, cells, slides=one_each and "d" in found[place])
-        self.first = 0 if self._begins_with_base() else 1
+        self.first = 0 if self._begins_with_base() else 1  # 0: the base, and joints are counted from the next row
         self._check_indexes()
         self._name_by_number("joint")
         self._name_by_number("link")
 
-    def _index(self, place: int) -> str:
-        return self.indexes[place].text if place in self.indexes else ""
-
     def _begins_with_base(self) -> bool:
         if 0 not in self.rows or _type_of(self.rows[0]) is not JointType.FIXED:
             return False
-        index = self._index(0)
-        return (
-            re.fullmatch(_ZERO, index) is not None or is_no_joint(index)
-            if 0 in self.indexes
-            else self.count_from_second
-        )
+        if 0 not in self.indexes:
+            return self.count_from_second
+        return re.fullmatch(_ZERO, self.indexes[0].text) is not None or is_no_joint(self.indexes[0].text)
 
     # --- Types --------------------------------------------------------------------------------------------------------
 
@@ -108,7 +97,8 @@ class JointRows:
     def _settle_type(self, place: int, cells: Cells, *, slides: bool) -> None:
         """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""
         name = next((cells[key].text for key in ("joint", "link") if key in cells), "")
-        index, kind, refusal = self._index(place), JointType.REVOLUTE, ""
+        index = self.indexes[place].text if place in self.indexes else ""
+        kind, refusal = JointType.REVOLUTE, ""
         no_joint = is_no_joint(name) or is_no_joint(index)
         if slides and "theta" in cells and cells["theta"].text:
             kind = JointType.PRISMATIC
@@ -150,11 +140,11 @@ class JointRows:
             match = re.fullmatch(_LABELLED, index.text)
             stands = is_no_joint(index.text) and _type_of(self.rows[place]) is JointType.FIXED
             if not (match and int(match[1]) == place + first) and not stands:
-                self._refuse("index-wrong", place, "index", index, number=place + first)
+                self._refuse_number(place, "index", index, place + first)
 
-    def _refuse(self, code: str, place: int, field: str, cell: Cell, *, number: int) -> None:
+    def _refuse_number(self, place: int, field: str, cell: Cell, number: int) -> None:
         about = {"joint": f"joint_{place + 1}", "field": field, "text": cell.text}
-        self.reader.add(say(code, cell.mark, **about, number=number))
+        self.reader.add(say("number-wrong", cell.mark, **about, number=number))
 
     def _name_by_number(self, field: str) -> None:
         """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
@@ -170,7 +160,7 @@ class JointRows:
         for place, number in numbers.items():
             cell = cells[place]
             if not ids and number != place + first:
-                self._refuse("number-wrong", place, field, cell, number=place + first)
+                self._refuse_number(place, field, cell, place + first)
             self.rows[place][field] = cell._replace(text=f"{field}_{cell.text.partition('.')[0]}")
 
 

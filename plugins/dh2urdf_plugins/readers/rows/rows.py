@@ -33,43 +33,37 @@ MAX_PROBLEMS = 1000
 LARGEST_LIMIT = 20 * math.pi
 """Bound of a revolute joint beyond which it is taken for degrees [rad]."""
 
+_TOGETHER = (
+    (("lower", "upper"), ("lower", "upper"), "both lower and upper, or neither"),
+    (COM, COM, "all three, or none"),
+    (INERTIA, INERTIA[:3], "ixx, iyy and izz, and ixy, ixz, iyz where they are not 0"),
+    (INERTIA, ("mass",), "both, or neither: they are computed from the link's shape and density then"),
+)
+"""Fields, those that each of them needs, and what is accepted."""
 _HOMES = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
 """Where a joint variable may be."""
 say = Messages(__file__)
 
 
 class RowReader:
-    """Reads the rows of one manipulator, and collects what is wrong with it.
-
-    Attributes:
-        units: the units of the table.
-        type_is_given: whether the table has types at all, so that an empty one is worth a notice.
-        problems: what was found so far, errors and notices.
-        errors: how many of them are errors.
-        names: the names of the rows so far.
-        extras: what rows have besides a, α, d and θ, by the names of their joints.
-        said: what the cells of the rows so far say, where a trace is wanted; None where it is not.
-        bare: the first cell that was read in the SI unit since nothing says its unit, by field and by what it measures.
-        foreign: the first cell that names another unit than the SI unit, by the same.
-        rounded: the cells of angles that are nearly a multiple of π/2, and what was meant.
-        from_zero: whether the joint variables are counted from 0: q0 in the first row.
-        types_from: the header of the column without a field that turned out to hold the types.
-    """
+    """Reads the rows of one manipulator, and collects what is wrong with it."""
 
     def __init__(self, units: Units, *, type_is_given: bool = True, traced: bool = False) -> None:
-        """Starts a manipulator in a table of these units."""
+        """Starts a manipulator in a table of these units; where it has types at all, an empty one is worth a notice."""
         self.units = replace(units, symbols=units.symbols.copy())  # a cell defines a name for its own manipulator
         self.type_is_given = type_is_given
-        self.problems: list[Problem] = []
+        self.problems: list[Problem] = []  # errors and notices
         self.errors = 0
         self.names: list[RowNames] = []
-        self.extras: dict[str, Extra] = {}
-        self.said: list[dict[str, Said]] | None = [] if traced else None
+        self.extras: dict[str, Extra] = {}  # what rows have besides a, α, d and θ, by the names of their joints
+        self.said: list[dict[str, Said]] | None = [] if traced else None  # by the cells of each row
+        # The first cell, by field and by what it measures, that is read in the SI unit since nothing says its unit; and
+        # the first that names another unit than the SI unit.
         self.bare: dict[tuple[str, Dimension], Cell] = {}
         self.foreign: dict[tuple[str, Dimension], Cell] = {}
-        self.rounded: list[tuple[Cell, str]] = []
-        self.from_zero = False
-        self.types_from: str | None = None
+        self.rounded: list[tuple[Cell, str]] = []  # angles that are nearly a multiple of π/2, and what was meant
+        self.from_zero = False  # whether the joint variables are counted from 0: q0 in the first row
+        self.types_from: str | None = None  # the header of the column without a field that holds the types
         self._angle = units.in_functions
         # Of the row:
         self._cells: Mapping[str, Cell] = {}
@@ -112,13 +106,17 @@ class RowReader:
         self.names.append(RowNames(self._joint, link, self._at("joint")["mark"], self._at("link")["mark"]))
         for name in REQUIRED:
             if not self._says(name):
-                self._note("cell-empty" if name in cells else "cell-missing", name)
+                self._note("cell-empty", name)
         measured = [name for name in cells if FIELDS[name].dimension]
         read = {name: found for name in measured if (found := self._quantity(name, kind)) is not None}
         numbers = {name: quantity.value for name, quantity in read.items()}
         geometry, limits = self._joint_variable(read, kind), self._limits(read, kind)
         self._six_parameters(numbers)
-        self._look_at_parts()
+        for given, needed, accepted in _TOGETHER:
+            other = next((name for name in given if self._says(name) and kind in ROW_FIELDS[name].types), None)
+            for name in needed if other else ():
+                if not self._says(name):
+                    self._note("part-missing", name, other=other, needs=accepted)
         if self.said is not None:
             told = {name: cell for name, cell in cells.items() if cell.text}
             if "type" in told and told["type"].mark is mark:  # it follows from the variables
@@ -261,10 +259,9 @@ class RowReader:
         """Geometry and direction of the row: of a joint variable, what is added to it is the offset."""
         values = {name: read[name].value if name in read else 0.0 for name in ("a", "alpha", "d", "theta", "offset")}
         sign, turn = self._sign(read), "flip" if "flip" in self._cells else "sign"
-        if kind is JointType.FIXED and values["offset"]:
-            self._note("offset-of-fixed", "offset")
-        if kind is JointType.FIXED and sign < 0:
-            self._note("direction-of-fixed", turn)
+        for name, changes in (("offset", values["offset"]), (turn, sign < 0)):
+            if kind is JointType.FIXED and changes:
+                self._note("change-of-fixed", name)
         home = "d" if kind is JointType.PRISMATIC else "theta"
         said = read.get(home)
         if said and said.variable:
@@ -303,9 +300,6 @@ class RowReader:
         if kind is JointType.FIXED or not self._says(*LIMITS):
             return Limits()
         bounds = {name: read[name].value for name in LIMITS if name in read}
-        for name, other in (("lower", "upper"), ("upper", "lower")):
-            if kind is not JointType.CONTINUOUS and self._says(other) and not self._says(name):
-                self._note("bound-missing", name, other=other)
         if "lower" in bounds and "upper" in bounds and bounds["lower"] > bounds["upper"]:
             self._note("bounds-exchanged", "lower", upper=shown(self._cells["upper"].text))
         foreign = [name for name in ("lower", "upper", "offset") if name in read and read[name].foreign]
@@ -315,15 +309,6 @@ class RowReader:
             about = {"word": word, "si": SI_UNITS[rate], "units": accepted_units(rate)}
             self._note("speed-without-unit", "velocity", other=foreign[0], there=there, **about)
         return Limits(**bounds)
-
-    def _look_at_parts(self) -> None:
-        """Refuses a part of a centre of mass or of a tensor, and a tensor without a mass."""
-        for names, needed, code in ((COM, COM, "com-in-part"), (INERTIA, INERTIA[:3], "inertia-in-part")):
-            for name in needed if self._says(*names) else ():
-                if not self._says(name):
-                    self._note(code, name)
-        if self._says(*INERTIA) and not self._says("mass"):
-            self._note("inertia-without-mass", "mass")
 
 
 def meant_by(angle: float) -> str | None:

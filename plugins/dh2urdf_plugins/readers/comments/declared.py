@@ -27,7 +27,7 @@ from dh2urdf_plugins.readers.words.comment_lines import Comment, within
 from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, header_fields, joint_type, key_of, keys_in, near
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from dh2urdf.quantities import Unit
     from dh2urdf.source import Mark, Problem
@@ -188,11 +188,6 @@ class Sentence(NamedTuple):
     is_bare: bool
 
 
-def sentences_in(comments: Iterable[Comment]) -> list[Sentence]:
-    """The sentences among comments that declare something."""
-    return [sentence for comment in comments if (sentence := said_in(comment))]
-
-
 def said_in(comment: Comment) -> Sentence | None:
     """What a comment declares as a sentence; None where it is prose."""
     convention, units, types, is_bare = _read(comment.text)
@@ -211,9 +206,7 @@ def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
 
 def _split(token: str) -> list[str]:
     """A token, or several: ``deg/s`` is one unit, ``mm/deg`` are two."""
-    if "/" not in token or len(token) == 1 or _unit(token):
-        return [token]
-    return [part for piece in token.split("/") for part in (piece, "/")][:-1]
+    return [token] if _unit(token) else [part for part in re.split("(/)", token) if part]
 
 
 def _is(section: str, token: str) -> bool:
@@ -227,9 +220,8 @@ def _is(section: str, token: str) -> bool:
 def _convention(tokens: Sequence[str]) -> Convention | None:
     """The convention that a sentence names, and no other, beside a word that shows what it is about."""
     words = [token for token in tokens if token[:1].isalpha()]
-    happened = [_is("happened", word) for word in [*words[1:], ""]]  # `modified on …` names none
-    pairs = list(zip(words, happened, strict=True)) if words else []
-    named = {each for each in Convention for word, has_date in pairs if _is(each.value, word) and not has_date}
+    pairs = [pair for pair in pairwise([*words, ""]) if not _is("happened", pair[1])]  # `modified on …` names none
+    named = {each for each in Convention for word, _ in pairs if _is(each.value, word)}
     about = len(words) == 1 or any(_is("of_conventions", word) for word in words)
     is_dashed = any(tokens[k : k + 3] in (["D", "-", "H"], ["d", "-", "h"]) for k in range(len(tokens)))
     if len(named) != 1 or not (about or is_dashed) or any(_is("not", word) for word in words):
@@ -328,12 +320,9 @@ def declare_types(
     rows: Sequence[tuple[dict[str, Cell] | None, Mark]],
     add: Callable[[Problem], None],
 ) -> None:
-    """Gives the rows of a table without types those that a sentence declares, a letter each.
+    """Gives the rows of a table without types those that a sentence declares, a letter each: their cells are changed.
 
-    Args:
-        sentences: those of the table.
-        rows: the cells of each row by field, which are changed, and its place.
-        add: what takes the notice, where no other one names the sentence.
+    Where another notice names the sentence, there is none of the types.
     """
     said = [each for each in sentences if len(each.types) == len(rows)]
     if not said or any(cells is None or "type" in cells for cells, _ in rows):

@@ -9,8 +9,8 @@ from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.table_text import STATEMENTS
-from dh2urdf_plugins.readers.comments.declared import Sentence, declared_key, sentences_in, statements_in
-from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, marked_as_left_out, name_columns
+from dh2urdf_plugins.readers.comments.declared import Sentence, declared_key, said_in, statements_in
+from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_TEXT
@@ -54,14 +54,7 @@ def read_top(
     """Everything above the first row; the rows behind the header are not touched.
 
     The header is the first row that names two of a, alpha, d and theta. A row above it is a comment, with or without a
-    # before it.
-
-    Args:
-        rows: the rows of the table from the top.
-        whole: the place of the table as a whole.
-        statements: what the file says outside its rows, by key.
-        convention: the convention of the options.
-        ignore: the headers of columns that are left out.
+    # before it. Statements are those of the file outside its rows; the convention and the ignored columns are options.
 
     Raises:
         TableError: there is no header, or it is wrong, or a comment is.
@@ -94,12 +87,10 @@ def read_top(
     if last and is_title and all(len(text_in(cell)) <= MAX_TEXT for cell in last.cells):
         header = join_headers(last, header)
     header = rows.complete(header)
-    texts, sentences = marked_as_left_out(header, ignore), sentences_in(comments)
+    sentences = list(filter(None, map(said_in, comments)))
     declared = said["convention"].text if "convention" in said else convention
-    meant = (
-        convention_of(declared) if declared else next((each.convention for each in sentences if each.convention), None)
-    )
-    columns = name_columns(texts, header.marks or [header.mark] * len(texts), header.mark, meant)
+    named = [convention_of(declared)] if declared else [each.convention for each in sentences if each.convention]
+    columns = name_columns(header, ignore, next(iter(named), None))
     return Top(columns, said, comments, sentences)
 
 

@@ -121,37 +121,37 @@ class RowSource(Protocol):
         """A row, of a number within its manipulator: the place of each cell, and why they are not the columns'."""
 
 
-def marked_as_left_out(header: CellRow, names: Collection[str]) -> list[str]:
-    """The headers of a row, with the mark of a column that is left out before some.
+def name_columns(header: CellRow, ignore: Collection[str] = (), convention: Convention | None = None) -> Columns:
+    """What a header says; columns of some headers are left out.
 
     Raises:
-        TableError: there is no such column.
+        TableError: everything that is wrong with it.
     """
     headers = headers_in(header)
-    for name in names:
+    for name in ignore:
         if name not in headers:
             raise TableError(say("no-column-to-ignore", header.mark, field="ignore", found=name, headers=headers))
-    return [f"{IGNORED}{text}" if text in names else text for text in headers]
-
-
-def name_columns(
-    headers: Sequence[str], marks: Sequence[Mark], mark: Mark, convention: Convention | None = None
-) -> Columns:
-    """What headers say.
-
-    Raises:
-        TableError: everything that is wrong with them.
-    """
-    columns = Columns(mark, list(headers), marks=list(marks))
+    headers = [f"{IGNORED}{text}" if text in ignore else text for text in headers]
+    columns = Columns(header.mark, headers, marks=list(header.marks or [header.mark] * len(headers)))
     read = [read_header(text) for text in headers]
     _settle_names(read)
     _settle_types(columns, read)
     problems = _settle_khalil(columns, read, convention)
+    problems += _take_fields(columns, read)
+    problems += _links(columns, read)
+    if columns.ignored:
+        names = [shown(headers[index]) for index in sorted(columns.ignored)]
+        columns.notices.append(say("columns-ignored", columns.marks[min(columns.ignored)], names=names))
+    if problems:
+        raise TableError(problems, columns.notices)
+    return columns
+
+
+def _take_fields(columns: Columns, read: Sequence[Header]) -> list[Problem]:
+    """Takes the field of each column, and its unit; what is wrong with one, or with several of one field."""
     columns.fields = [header.field.name if header.field else None for header in read]
-    first: dict[str, int] = {}
-    meant: set[str] = set()
-    for index, header in enumerate(read):
-        text, place = headers[index], marks[index]
+    problems, first, given = list[Problem](), dict[str, int](), set(columns.fields)
+    for index, (text, place, header) in enumerate(zip(columns.headers, columns.marks, read, strict=True)):
         if header.ignored:
             columns.ignored.add(index)
         elif header.field:
@@ -160,18 +160,11 @@ def name_columns(
             twins = [key for key in keys if first.setdefault(key, index) != index]
             problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
         elif not header.is_known and (near := misspelt(header.key)):
-            meant.add(near.name)
+            given.add(near.name)
             problems.append(say("misspelt-header", place, field=text, found=text, meant=near.name, fields=[*FIELDS]))
         else:
             columns.silent.add(index)
-    problems += _links(columns, read)
-    if columns.ignored:
-        names = [shown(headers[index]) for index in sorted(columns.ignored)]
-        columns.notices.append(say("columns-ignored", marks[min(columns.ignored)], names=names))
-    problems += [_missing(name, columns) for name in REQUIRED if name not in {*columns.fields, *meant}]
-    if problems:
-        raise TableError(problems, columns.notices)
-    return columns
+    return problems + [_missing(name, columns) for name in REQUIRED if name not in given]
 
 
 # --- What headers mean beside each other ------------------------------------------------------------------------------

@@ -25,17 +25,12 @@ _TINY = "[eE]-[0-9]{3}"
 
 
 class PlainNumbers:
-    """Reads a column of numbers.
-
-    Attributes:
-        has_expressions: whether anything but decimal numbers was among those that were read last.
-        foreign: whether any cell so far names another unit than the SI unit.
-        bare: whether any number so far, 0 left aside, is in the SI unit since nothing says its unit.
-    """
+    """Reads the columns of a field, in a table of some units."""
 
     def __init__(self, name: str, units: Units) -> None:
-        """Takes the field of the column, and the units of the table."""
-        self.has_expressions = self.foreign = self.bare = False
+        self.has_expressions = False  # whether anything but decimal numbers was among those that were read last
+        self.foreign = False  # whether any cell so far names another unit than the SI unit
+        self.bare = False  # whether any number so far, 0 left aside, is in the SI unit since nothing says its unit
         self._dimension = FIELDS[name].measures()
         self._unit, self._angle = units.unit_of(name, self._dimension), units.in_functions
         self._known: dict[Any, float] = {}
@@ -67,7 +62,7 @@ class PlainNumbers:
         return None if numbers is None else [next(given) if cell else None for cell in column]
 
     def decimals(self, column: Sequence[Any]) -> list[float] | None:
-        """The same where all are decimal numbers; infinities and what is no number may be among them."""
+        """The same where all are decimal numbers, infinities and NaN among them."""
         unit, are_floats = self._unit, isinstance(column[0], float)
         if are_floats and unit and unit.power:
             column, are_floats = list(map(text_of, column)), False

@@ -13,7 +13,7 @@ import sys
 from collections import defaultdict
 from itertools import accumulate, pairwise, starmap
 from operator import add, methodcaller
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.columns import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, column
 from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.units import Units
     from dh2urdf_plugins.readers.words.cells import Value
 
-T = TypeVar("T")
 Rows: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
@@ -54,10 +53,9 @@ _HASH = methodcaller("startswith", "#")
 
 
 class PlainRows:
-    """Reads the rows of manipulators that are behind each other, where they are plain."""
+    """Reads the rows of manipulators that are behind each other, where they are plain, in columns of some units."""
 
     def __init__(self, columns: Columns, units: Units) -> None:
-        """Takes what holds for all rows of a table: its columns, and the units of its numbers."""
         self.units, self.headers, self.holding_numbers = units, columns.headers, columns.numbers
         self.column = {name: index for index, name in enumerate(columns.fields) if name}
         self.silent = columns.silent  # to be spoken of as soon as one of them holds anything
@@ -88,14 +86,9 @@ class PlainRows:
     def read(
         self, rows: Sequence[Sequence[Value]], sizes: Sequence[int]
     ) -> list[tuple[Sequence[int], tuple[DHRow, ...]]] | None:
-        """The rows of manipulators in columns, or None where one of them is not surely plain.
+        """The rows of manipulators of some sizes in columns, or None where one of them is not surely plain.
 
-        Args:
-            rows: the cells of each row.
-            sizes: how many rows each manipulator has.
-
-        Returns:
-            Groups of manipulators that differ in numbers only: which of them these are, and their rows.
+        Manipulators that differ in numbers only are in one group: which of them these are, and their rows.
         """
         if not self.usable or set(map(len, rows)) != {len(self.headers)}:
             return None
@@ -116,15 +109,18 @@ class PlainRows:
             if found is None or mixed:
                 return None
             values[name] = list(found)
-        plain = _are_plain_angles(values) and _are_plain_lengths(values["a"], values["d"], sizes)
+        lengths = list(map(add, map(abs, values["a"]), map(abs, values["d"])))
+        arms = [sum(lengths[end - size : end]) for size, end in zip(sizes, accumulate(sizes), strict=True)]
+        plain = all(SHORTEST_ARM <= arm <= LONGEST_ARM for arm in arms) and _are_plain_angles(values)
         if not plain or self._are_in_doubt() or not _fit(values, kinds):
             return None
         signs = list(map(int, values.pop("sign", [1.0] * len(rows))))
+        alike = {"joint": names[0], "link": names[1], "type": kinds, "sign": signs}
         geometry = dict.fromkeys(GEOMETRY, [0.0] * len(rows)) | values
         missing = [[number is None for number in values[name]] for name in LIMITS if None in values.get(name, ())]
         return [
-            (members, tuple([_row_in_columns(*names, kinds, signs, geometry, where) for where in places]))
-            for members, places in _forms((*names, kinds, signs, *missing), sizes)
+            (members, tuple([_row_in_columns(alike, geometry, where) for where in places]))
+            for members, places in _forms((*alike.values(), *missing), sizes)
         ]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
@@ -135,12 +131,12 @@ class PlainRows:
                 if any(cells):
                     return False
                 continue
-            if not header and not is_beside(index, self.headers) and not _count(cells):
-                return False
             new = set(cells) - known
-            if unheld(read_header(header).key) or any(map(is_value, map(str.strip, new))):
+            texts = list(map(str.strip, new))
+            counts = header or is_beside(index, self.headers) or _count(cells)
+            if not counts or unheld(read_header(header).key) or any(map(is_value, texts)):
                 return False
-            if "type" not in self.column and any(map(joint_type, map(str.strip, new))):
+            if "type" not in self.column and any(map(joint_type, texts)):
                 return False
             if len(known) < REMEMBERED:
                 known.update(new)
@@ -223,13 +219,6 @@ def _are_plain_angles(values: Mapping[str, list[float]]) -> bool:
     return True
 
 
-def _are_plain_lengths(a: list[float], d: list[float], sizes: Sequence[int]) -> bool:
-    """Whether every arm is of a length that needs no word."""
-    lengths = list(map(add, map(abs, a), map(abs, d)))
-    totals = [sum(lengths[end - size : end]) for size, end in zip(sizes, accumulate(sizes), strict=True)]
-    return all(SHORTEST_ARM <= total <= LONGEST_ARM for total in totals)
-
-
 def _fit(values: Mapping[str, list[Any]], kinds: Sequence[JointType]) -> bool:
     """Whether numbers beside the geometry are such as their fields take, in rows that have them."""
     still = [index for index, kind in enumerate(kinds) if kind is JointType.FIXED] if JointType.FIXED in kinds else []
@@ -279,23 +268,17 @@ def _forms(words: Sequence[Sequence[object]], sizes: Sequence[int]) -> Iterator[
         yield members, [[starts[member] + row for member in members] for row in range(sizes[members[0]])]
 
 
-def _row_in_columns(  # noqa: PLR0917 - what a row consists of
-    joints: Sequence[str],
-    links: Sequence[str],
-    kinds: Sequence[JointType],
-    signs: Sequence[int],
-    numbers: Mapping[str, Sequence[float]],
-    where: Rows,
+def _row_in_columns(
+    alike: Mapping[str, Sequence[object]], numbers: Mapping[str, Sequence[float]], where: Rows
 ) -> DHRow:
-    """One row of many manipulators, which is in some places among the rows of all."""
+    """One row of many manipulators that are alike but for their numbers, by its places among the rows of all."""
     first = where.start if isinstance(where, slice) else where[0]
-    found = {name: column(_some(entries, where)) for name, entries in numbers.items()}
+    found: dict[str, Any] = {
+        name: column(entries[where] if isinstance(where, slice) else [entries[place] for place in where])
+        for name, entries in numbers.items()
+    }
     limits = Limits(**{name: found.pop(name, None) for name in LIMITS})
     com = tuple([found.pop(name) for name in COM]) if "com_x" in found else None
     inertia = Inertia(**{name: found.pop(name) for name in INERTIA}) if "ixx" in found else None
-    words: dict[str, Any] = {"joint": joints[first], "link": links[first], "type": kinds[first], "sign": signs[first]}
+    words: dict[str, Any] = {name: entries[first] for name, entries in alike.items()}
     return new_dh_row(**words, limits=limits, com=com, inertia=inertia, **found)
-
-
-def _some(entries: Sequence[T], where: Rows) -> Sequence[T]:
-    return entries[where] if isinstance(where, slice) else [entries[place] for place in where]

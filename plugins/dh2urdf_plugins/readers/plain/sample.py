@@ -27,12 +27,9 @@ EVERY = 20_000
 
 
 class PlainSample:
-    """Chooses the manipulators that are read again: the same ones of the same file, at changing places of a batch."""
+    """Chooses the manipulators of a file that are read again: always the same ones, at changing places of a batch."""
 
-    def __init__(self) -> None:
-        """Starts a file."""
-        self._read = 0
-        self._again = 0
+    _read = _again = 0
 
     def choose(self, sizes: Sequence[int]) -> int | None:
         """The index of the manipulator that is read again, or None."""
@@ -48,10 +45,7 @@ class PlainSample:
 def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> None:
     """Compare two readings of one manipulator, to the last bit, marks and notices included.
 
-    Args:
-        fast: the manipulator as it was read fast.
-        careful: the same rows, read with care.
-        count: how many of its rows were read with care; the first rows of a longer arm may be refused as an arm.
+    Some rows were read with care, or all; the first rows of a longer arm may be refused as an arm.
 
     Raises:
         TableError: the readings differ.

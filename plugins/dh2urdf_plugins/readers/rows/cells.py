@@ -35,10 +35,9 @@ say = Messages(__file__)
 
 
 class CellReader:
-    """Tells the cells of one manipulator's rows apart."""
+    """Tells the cells of one manipulator's rows apart; what reads the rows takes the problems."""
 
     def __init__(self, columns: Columns, reader: RowReader) -> None:
-        """Takes the columns of the table, and what reads the rows and takes the problems."""
         self.columns, self.reader = columns, reader
         self.symbols = reader.units.symbols
         self.has_type = "type" in columns.fields

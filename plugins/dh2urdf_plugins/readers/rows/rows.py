@@ -49,7 +49,6 @@ class RowReader:
     """Reads the rows of one manipulator, and collects what is wrong with it."""
 
     def __init__(self, units: Units, *, type_is_given: bool = True, traced: bool = False) -> None:
-        """Starts a manipulator in a table of these units; where it has types at all, an empty one is worth a notice."""
         self.units = replace(units, symbols=units.symbols.copy())  # a cell defines a name for its own manipulator
         self.type_is_given = type_is_given
         self.problems: list[Problem] = []  # errors and notices

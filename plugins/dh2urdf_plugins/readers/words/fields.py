@@ -28,10 +28,10 @@ _SEPARATORS = f"{_SPACES}_.*{{}}'’-"
 _DOTS = {
     f"{letter}{dots}": f"{letter}{word}" for letter in "qθτ" for dots, word in (("\u0307", "dot"), ("\u0308", "ddot"))
 }
-_GREEK = str.maketrans({"α": "alpha", "θ": "theta", "σ": "sigma", "β": "beta", "γ": "gamma", "φ": "phi", "τ": "tau"})
-_GREEK |= str.maketrans({"ω": "omega", "μ": "mu", "ı": "i", "ё": "е", "№": "no"})  # with letters of other alphabets
+_LETTERS = str.maketrans({"α": "alpha", "θ": "theta", "σ": "sigma", "β": "beta", "γ": "gamma", "φ": "phi", "τ": "tau"})
+_LETTERS |= str.maketrans({"ω": "omega", "μ": "mu", "ı": "i", "ё": "е", "№": "no"})
 _WITHOUT_DOTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
-_KEY = _GREEK | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *range(0x300, 0x370)))
+_KEY = _LETTERS | dict.fromkeys((*map(ord, _SEPARATORS), *range(0x2000, 0x200B), *range(0x300, 0x370)))
 """Without separators, among them all white space, and without accents."""
 
 
@@ -91,19 +91,12 @@ _AXES = dict.fromkeys(COM, "com_*") | dict.fromkeys(INERTIA, "i*")
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a row, or several fields that share a cell.
-
-    Attributes:
-        name: what the project calls it.
-        dimension: what it measures; None for words.
-        linear: what it measures in the row of a prismatic joint, where that is something else.
-        parts: the fields that a cell of it holds, where it is several.
-    """
+    """A field of a row, or several fields that share a cell."""
 
     name: str
-    dimension: Dimension | None = None
-    linear: Dimension | None = None
-    parts: tuple[str, ...] = ()
+    dimension: Dimension | None = None  # what it measures; None for words
+    linear: Dimension | None = None  # what it measures in the row of a prismatic joint, where that is something else
+    parts: tuple[str, ...] = ()  # the fields that a cell of it holds, where it is several
 
     def measures(self, *, slides: bool = False) -> Dimension:
         """What its numbers measure, in the rows of joints that turn or slide."""
@@ -151,18 +144,15 @@ _NAMES = (
     *("b", "sign", "flip", "limits", "lower", "upper", "velocity", "effort", "mass", "com", *COM, "inertia", *INERTIA),
     *("radius", "damping", "friction", "armature"),
 )
+_NUMBERS = {"sign": RowField(Dimension.NUMBER), "b": RowField(Dimension.LENGTH), **ROW_FIELDS}
+_NUMBERS |= dict.fromkeys(("beta", "gamma"), RowField(Dimension.ANGLE))
 _PARTS = {"limits": ("lower", "upper"), "com": COM, "inertia": INERTIA}
-_OTHERS = {"sign": RowField(Dimension.NUMBER), "b": RowField(Dimension.LENGTH)}
-_OTHERS |= dict.fromkeys(("beta", "gamma"), RowField(Dimension.ANGLE))
-
-
-def _field(name: str) -> Field:
-    parts = _PARTS.get(name, ())
-    number = ROW_FIELDS.get(parts[0] if parts else name) or _OTHERS.get(name, RowField(None))
-    return Field(name, number.dimension, number.linear, parts)
-
-
-FIELDS = {name: _field(name) for name in dict.fromkeys((*_NAMES, *ROW_FIELDS))}
+_NUMBERS |= {name: ROW_FIELDS[parts[0]] for name, parts in _PARTS.items()}
+FIELDS = {
+    name: Field(name, number.dimension, number.linear, _PARTS.get(name, ()))
+    for name in dict.fromkeys((*_NAMES, *ROW_FIELDS))
+    for number in [_NUMBERS.get(name, RowField(None))]
+}
 """The fields of a table, in the order of the documentation."""
 GROUPS = {name: each for name, each in FIELDS.items() if each.parts}
 """Fields whose cells hold several others."""
@@ -182,21 +172,13 @@ GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) wi
 
 
 class Refusal(NamedTuple):
-    """Why a column that names no field is refused where it holds a value.
-
-    Attributes:
-        reason: what it is.
-        accepted: what to write in its place.
-        any_text: whether texts are refused, too: no field holds what it is.
-        counts: whether it may hold the number of the row.
-        if_no: whether only a no says anything: that a joint is not ``active``.
-    """
+    """Why a column that names no field is refused where it holds a value."""
 
     reason: str
-    accepted: str = GEOMETRY
-    any_text: bool = True
-    counts: bool = False
-    if_no: bool = False
+    accepted: str = GEOMETRY  # what to write in its place
+    any_text: bool = True  # whether texts are refused, too: no field holds what it is
+    counts: bool = False  # whether it may hold the number of the row
+    if_no: bool = False  # whether only a no says anything: that a joint is not `active`
 
 
 @cache
@@ -204,7 +186,7 @@ def _unheld() -> dict[str, Refusal]:
     held = {key for name in FIELDS for key in keys_of(name)}
     found: dict[str, Refusal] = {}
     for entry in vocabulary()["unheld"]:
-        marks = {mark: entry[mark] for mark in ("any_text", "counts", "if_no") if mark in entry}
+        marks = {name: value for name, value in entry.items() if name in Refusal._fields}
         meaning = Refusal(entry["is"].strip(), " ".join(entry.get("write", GEOMETRY).split()), **marks)
         found |= {key: meaning for word in words_in(entry["words"]) for key in keys_of(word) if key not in held}
     return found
@@ -233,9 +215,9 @@ def joint_type(text: str) -> JointType | None:
     key = key_of(text.strip().casefold())
     if key in _TYPES or not any(map(str.isalpha, key)):
         return _TYPES.get(key)
-    nouns = keys_in("around", "types")
-    bare = next((key.removesuffix(noun) for noun in nouns if key.endswith(noun) and key != noun), key)
-    return JointType(_keys_for("types")[bare]) if bare in _keys_for("types") else None
+    bare = next((key.removesuffix(noun) for noun in keys_in("around", "types") if key.endswith(noun)), key)
+    kind = _keys_for("types").get(bare)
+    return JointType(kind) if kind else None
 
 
 def type_advice(text: str) -> str | None:
@@ -263,8 +245,7 @@ def convention_of(text: str) -> Convention | None:
 def flip_of(text: str) -> bool | None:
     """The truth value that a word means."""
     word = text.strip().casefold()
-    flips = vocabulary()["flips"]
-    return next((name == "true" for name in ("true", "false") if word in words_in(flips[name])), None)
+    return next((name == "true" for name, line in vocabulary()["flips"].items() if word in words_in(line)), None)
 
 
 def is_no_joint(name: str) -> bool:
@@ -272,8 +253,8 @@ def is_no_joint(name: str) -> bool:
     if len(name) > _LONGEST_NAME:
         return False
     key, words = key_of(name.strip().casefold()).replace(":", ""), keys_in("rows", "no_joints")
-    beside = keys_in("rows", "beside")
-    return key in words or any(key.removesuffix(word) in words or key.removeprefix(word) in words for word in beside)
+    beside = ("", *keys_in("rows", "beside"))
+    return any(key.removesuffix(word) in words or key.removeprefix(word) in words for word in beside)
 
 
 # --- Slips of the pen -------------------------------------------------------------------------------------------------

@@ -56,21 +56,14 @@ def split_cell(
         return {}
     if len(plain) > MAX_CHARACTERS:
         return say("cell-too-long", **about, count=len(plain), most=MAX_CHARACTERS)
-    if named := _named_parts(field, plain):
+    inner = plain.strip(_BRACKETS)  # parts that are called by their names: `min: -170, max: 170`, `x=0, y=0, z=0.1`
+    texts = inner.split(";") if ";" in plain else re.split(_BEFORE_NAME, inner)
+    pairs = [match.groups() for part in texts if (match := re.fullmatch(_NAMED_PART, part.strip()))]
+    named = {PARTS.get(name.lower(), name.lower()): value.strip() for name, value in pairs}
+    if len(named) == len(texts) and set(named) <= set(field.parts):
         return named
     read = {"limits": _bounds, "com": _vector, "inertia": _tensor}[field.name]
     return read(plain, about, decimal_comma=decimal_comma)
-
-
-def _named_parts(field: Field, text: str) -> dict[str, str] | None:
-    """Parts that are called by their names: ``min: -170, max: 170``, ``x=0, y=0, z=0.1``."""
-    inner = text.strip(_BRACKETS)
-    texts = inner.split(";") if ";" in text else re.split(_BEFORE_NAME, inner)
-    pairs = [match.groups() for part in texts if (match := re.fullmatch(_NAMED_PART, part.strip()))]
-    names = [PARTS.get(name.lower(), name.lower()) for name, _ in pairs]
-    if len(pairs) < len(texts) or len(set(names)) < len(names) or not set(names) <= set(field.parts):
-        return None
-    return {name: value.strip() for name, (_, value) in zip(names, pairs, strict=True)}
 
 
 # --- Bounds -----------------------------------------------------------------------------------------------------------
@@ -82,7 +75,7 @@ def _bounds(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
         if re.search(r"[+±,;…~]|-|\.\.", size) or not re.search(r"[\w(]", size):  # `±∞`
-            return _not_two(text, about)
+            return say("range-unclear", **about, text=shown(text))
         return _both(f"-{match[1]}", match[1], unit)
     pair = re.split(rf"{_TO}|\s+(?:{_words('between_bounds')})\s+", inner)
     if len(pair) == 1 and (match := re.fullmatch(_SPACED, inner)):
@@ -91,13 +84,13 @@ def _bounds(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict
         pair = [match[1].strip(), match[3].strip()]
         signed = pair[0].startswith("-") or pair[1].startswith("+")
         if match[2].isspace() and not signed:  # `10 20`
-            return _not_two(text, about)
+            return say("range-unclear", **about, text=shown(text))
         if match[2] == "/" and pair[0][:1].isdigit() and pair[1][:1].isdigit() and pair[0].strip("0.,"):
             return say("range-or-travel", **about, text=shown(text), lower=pair[0], upper=pair[1])
     if len(pair) == 1 and re.search("[,;|]", inner):
         pair = _items(inner, decimal_comma=decimal_comma)
     if len(pair) != len(("lower", "upper")) or not all(item.strip() for item in pair):
-        return _not_two(text, about)
+        return say("range-unclear", **about, text=shown(text))
     lower, upper = (item.strip() for item in pair)
     if lower.startswith("+") and upper.startswith("-"):
         lower, upper = upper, lower  # `+170/-170`, as makers write it
@@ -114,10 +107,6 @@ def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
     """Two bounds, of which one may name the unit of both."""
     of_lower, of_upper = unit_at_end(lower), unit_at_end(upper)
     return {"lower": _with_unit(lower, unit or of_upper), "upper": _with_unit(upper, unit or of_lower)}
-
-
-def _not_two(text: str, about: Mapping[str, Any]) -> Problem:
-    return say("range-unclear", **about, text=shown(text))
 
 
 def unit_at_end(text: str) -> str | None:

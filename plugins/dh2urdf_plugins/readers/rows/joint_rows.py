@@ -7,6 +7,7 @@ fixed only where the other rows have one.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -32,8 +33,6 @@ _LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER}\s*[*†‡§]?(?:\s*[\W_].
 """The number of a row behind a word, or before one: ``J1``, ``Axis 1``, ``1 (base)``."""
 _ZERO = r"(?:[^\W\d_]{1,12}[\s_.#-]*)?0+(?:\.0+)?(?:\s*[\W_].*)?"
 """The number 0 of a row: ``0``, ``J0``, ``0 (from base)``."""
-_MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
-"""A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
 say = Messages(__file__)
 
 
@@ -105,7 +104,7 @@ class JointRows:
         elif self.variables and place not in self.variables:
             is_base = place == 0 and self.count_from_second and re.fullmatch(_ZERO, index or name)
             kind, refusal = (JointType.FIXED, "") if no_joint or is_base else (kind, "row-without-variable")
-        elif no_joint and place not in self.variables and not self.reader.type_is_given:
+        elif no_joint and not self.variables and not self.reader.type_is_given:
             refusal = "row-no-joint"
         else:
             return
@@ -119,16 +118,17 @@ class JointRows:
     def _leave_out_axes(self) -> None:
         """Leaves out a column of joints that has axes of frames: ``Z``, ``Y``, ``Y``."""
         named = [cells["joint"].text.casefold() for cells in self.rows.values() if "joint" in cells]
-        if len(set(named)) < len(self.rows) and named and all(re.fullmatch(AXIS, name) for name in named):
+        if len(set(named)) < len(self.rows) and all(re.fullmatch(AXIS, name) for name in named):
             for cells in self.rows.values():
                 cells.pop("joint", None)
 
     def _take_indexes_for_names(self) -> None:
         """Takes the column of numbers for one of names, where it has names and no other column has."""
         texts = [index.text for index in self.indexes.values()]
-        if any("joint" in cells for cells in self.rows.values()) or any(text.isdecimal() for text in texts[:2]):
+        has_names = any("joint" in cells for cells in self.rows.values())
+        if has_names or len(texts) < len(self.rows) or any(text.isdecimal() for text in texts[:2]):
             return
-        for place, cells in self.rows.items() if len(texts) == len(self.rows) else ():
+        for place, cells in self.rows.items():
             cells["joint"] = self.indexes.pop(place)
 
     def _check_indexes(self) -> None:
@@ -168,17 +168,11 @@ def _variables_in(cells: Mapping[str, Cell], reader: RowReader) -> dict[str, int
     """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
     found: dict[str, int | None] = {}
     for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
-        cell = cells.get(name)
-        if cell is None or not any(map(str.isalpha, cell.text)):
-            continue
-        try:
-            quantity = evaluate(cell.text, dimension, decimal_comma=True, symbols=reader.units.symbols)
-        except QuantityError:
-            if name == "theta" and re.search(_MEANT_VARIABLE, cell.text):
-                found[name] = None  # the cell is refused, and lacks no variable besides
-            continue
-        if quantity.variable is not None:
-            found[name] = quantity.variable.row
+        if name in cells and any(map(str.isalpha, cells[name].text)):
+            with suppress(QuantityError):  # the cell is refused when it is read
+                quantity = evaluate(cells[name].text, dimension, decimal_comma=True, symbols=reader.units.symbols)
+                if quantity.variable is not None:
+                    found[name] = quantity.variable.row
     return found
 
 

@@ -40,8 +40,6 @@ _TOGETHER = (
     (INERTIA, ("mass",), "both, or neither: they are computed from the link's shape and density then"),
 )
 """Fields, those that each of them needs, and what is accepted."""
-_HOMES = {"theta": "theta of a revolute joint", "d": "d of a prismatic joint"}
-"""Where a joint variable may be."""
 say = Messages(__file__)
 
 
@@ -221,8 +219,7 @@ class RowReader:
             advice = "give the row the type prismatic if the joint slides" if name == "d" else None
             if name == variable.kind == "d":
                 advice = f"define it: `# {variable.text} = 0.1` or `--symbol {variable.text}=100mm`; or {advice}"
-            where = _HOMES.get(variable.kind, f"{_HOMES['theta']} or in d of a prismatic one")
-            self._note("variable-elsewhere", name, variable=variable.text, home=where, suggestion=advice)
+            self._note("variable-elsewhere", name, variable=variable.text, suggestion=advice)
         elif variable.row not in (None, self._number - self.from_zero):
             own = f"{variable.kind}{self._number}"
             self._note("variable-of-another-row", name, row=variable.row, number=self._number, variable=own)
@@ -257,33 +254,28 @@ class RowReader:
     def _joint_variable(self, read: Mapping[str, Quantity], kind: JointType) -> dict[str, Any]:
         """Geometry and direction of the row: of a joint variable, what is added to it is the offset."""
         values = {name: read[name].value if name in read else 0.0 for name in ("a", "alpha", "d", "theta", "offset")}
-        sign, turn = self._sign(read), "flip" if "flip" in self._cells else "sign"
-        for name, changes in (("offset", values["offset"]), (turn, sign < 0)):
+        if self._says("flip"):
+            turn, sign = "flip", {True: -1.0, False: 1.0}.get(flip_of(self._cells["flip"].text))
+        else:
+            turn, sign = "sign", read["sign"].value if "sign" in read else 1.0
+        if sign not in (1.0, -1.0):
+            self._note("direction-unknown", turn)
+        direction = -1 if sign == -1.0 else 1
+        for name, changes in (("offset", values["offset"]), (turn, direction < 0)):
             if kind is JointType.FIXED and changes:
                 self._note("change-of-fixed", name)
         home = "d" if kind is JointType.PRISMATIC else "theta"
         said = read.get(home)
         if said and said.variable:
-            if said.sign < 0 and sign < 0:
+            if said.sign < 0 and direction < 0:
                 self._note("turned-twice", turn, variable=said.variable.text)
             values |= {home: 0.0, "offset": values["offset"] + said.value}
-            sign *= said.sign
-        if kind is not JointType.PRISMATIC and (values["theta"] or values["offset"] or sign < 0):
-            for name in ("lower", "upper"):
-                if self._says(name) and self._cells[name].of_theta:
-                    self._note("bound-of-theta", name)
-        return {**values, "sign": sign}
-
-    def _sign(self, read: Mapping[str, Quantity]) -> int:
-        if self._says("flip"):
-            flip = flip_of(self._cells["flip"].text)
-            if flip is None:
-                self._note("flip-unknown", "flip")
-            return -1 if flip else 1
-        sign = read["sign"].value if "sign" in read else 1
-        if sign not in (1, -1):
-            self._note("sign-unknown", "sign")
-        return -1 if sign < 0 else 1
+            direction *= said.sign
+        differs = kind is not JointType.PRISMATIC and (values["theta"] or values["offset"] or direction < 0)
+        for name in ("lower", "upper") if differs else ():
+            if self._says(name) and self._cells[name].of_theta:
+                self._note("bound-of-theta", name)
+        return {**values, "sign": direction}
 
     def _six_parameters(self, numbers: Mapping[str, float]) -> None:
         """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""

@@ -12,7 +12,7 @@ import re
 import sys
 from collections import defaultdict
 from itertools import accumulate, pairwise, starmap
-from operator import add, methodcaller
+from operator import add
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.columns import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, column
@@ -25,7 +25,6 @@ from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.sample import PlainSample
-from dh2urdf_plugins.readers.rows.joint_rows import AXIS, NUMBER
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, meant_by
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LONGEST_ARM, NEARLY, REMEMBERED, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
@@ -47,9 +46,12 @@ _WORDS = frozenset(("robot", "convention", "index", "joint", "link", "type"))
 _NUMBERS = tuple(dict.fromkeys((*GEOMETRY, *NUMBERS, *COM, *INERTIA, "sign", *LIMITS)))
 _POSITIVE = tuple(name for name in _NUMBERS if name not in {*GEOMETRY, "sign", "lower", "upper"})
 """Numbers that have to do with no other number of their row."""
+_STILL = dict.fromkeys(DYNAMICS, ()) | dict.fromkeys(LIMITS, (None,)) | {"offset": (0.0,), "sign": (1.0,)}
+"""What a joint that does not move may have of what is about motion."""
 _LARGEST = {JointType.REVOLUTE: LARGEST_LIMIT, JointType.PRISMATIC: sys.float_info.max}
 """The largest bound that needs no word, by the type of a joint; the other types have no bounds."""
-_HASH = methodcaller("startswith", "#")
+_PLAIN_NAME = re.compile(rf"(?![xyzXYZ]$)[A-Za-z_](?:[\w .:/+-]{{0,{MAX_NAME - 2}}}\w)?", re.ASCII).fullmatch
+"""A name that is no axis of a frame and no number, and that is written as it is called."""
 
 
 class PlainRows:
@@ -179,18 +181,11 @@ class PlainRows:
 
     def _are_plain_names(self, joints: tuple[str, ...], links: tuple[str, ...]) -> bool:
         """Whether the names of a manipulator are such that there is nothing to say about them."""
-        names = (*joints, *links)
-        text = "".join(names)
-        if not (text.isascii() and text.isprintable() and all(names)) or "*" in text or max(map(len, names)) > MAX_NAME:
-            return False
-        alike = set(map(str.lower, names))  # no casefold: they are ASCII
+        alike = set(map(str.lower, (*joints, *links)))  # no casefold: they are ASCII
         return (
-            len(alike) == len(names)
+            all(map(_PLAIN_NAME, (*joints, *links)))
+            and len(alike) == len(joints) + len(links)
             and alike.isdisjoint((*RESERVED, *added_joints(links[-1].lower())))
-            and list(map(str.strip, names)) == list(names)
-            and not any(map(_HASH, names))
-            and not any(re.fullmatch(NUMBER, name) for name in names)  # a column of numbers counts the joints
-            and not all(re.fullmatch(AXIS, joint) for joint in joints)  # which may be no names
             and ("type" in self.column or not any(map(is_no_joint, alike)))
         )
 
@@ -222,13 +217,9 @@ def _are_plain_angles(values: Mapping[str, list[float]]) -> bool:
 def _fit(values: Mapping[str, list[Any]], kinds: Sequence[JointType]) -> bool:
     """Whether numbers beside the geometry are such as their fields take, in rows that have them."""
     still = [index for index, kind in enumerate(kinds) if kind is JointType.FIXED] if JointType.FIXED in kinds else []
-    offset, sign = values.get("offset", ()), values.get("sign", ())
-    if still and not values.keys().isdisjoint(DYNAMICS):
-        return False
-    if any((offset and offset[index]) or (sign and sign[index] < 0) for index in still):
-        return False
-    if any(values[name][index] is not None for name in LIMITS if name in values for index in still):
-        return False
+    for name in values if still else ():
+        if name in _STILL and not {values[name][index] for index in still}.issubset(_STILL[name]):
+            return False
     none: list[float | None] = [None] * len(kinds)
     for kind, low, high in set(zip(kinds, values.get("lower", none), values.get("upper", none), strict=True)):
         bound = _LARGEST.get(kind)
@@ -238,7 +229,7 @@ def _fit(values: Mapping[str, list[Any]], kinds: Sequence[JointType]) -> bool:
         given = [number for number in values.get(name, ()) if number is not None]
         if given and not (math.isfinite(sum(given)) and ROW_FIELDS[name].takes(min(given))):
             return False
-    return set(sign) <= {1.0, -1.0}
+    return set(values.get("sign", ())) <= {1.0, -1.0}
 
 
 def _count(cells: Sequence[str]) -> bool:

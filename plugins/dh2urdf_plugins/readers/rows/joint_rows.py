@@ -7,7 +7,6 @@ fixed only where the other rows have one.
 from __future__ import annotations
 
 import re
-from contextlib import suppress
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -25,12 +24,14 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.rows.rows import RowReader
 
 Cells = dict[str, Cell]
-NUMBER = r"([0-9]{1,9})(?:\.0+)?"
+_NUMBER = r"([0-9]{1,9})(?:\.0+)?"
 """A name that is the number of a row."""
-AXIS = r"(?i)[-+−–]?\s*[xyz]\s*[-+−–]?"
+_AXIS = r"(?i)[-+−–]?\s*[xyz]\s*[-+−–]?"
 """A name that is an axis of a frame."""
-_LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{NUMBER}\s*[*†‡§]?(?:\s*[\W_].*)?"
+_LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{_NUMBER}\s*[*†‡§]?(?:\s*[\W_].*)?"
 """The number of a row behind a word, or before one: ``J1``, ``Axis 1``, ``1 (base)``."""
+_MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
+"""A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
 _ZERO = r"(?:[^\W\d_]{1,12}[\s_.#-]*)?0+(?:\.0+)?(?:\s*[\W_].*)?"
 """The number 0 of a row: ``0``, ``J0``, ``0 (from base)``."""
 say = Messages(__file__)
@@ -118,7 +119,7 @@ class JointRows:
     def _leave_out_axes(self) -> None:
         """Leaves out a column of joints that has axes of frames: ``Z``, ``Y``, ``Y``."""
         named = [cells["joint"].text.casefold() for cells in self.rows.values() if "joint" in cells]
-        if len(set(named)) < len(self.rows) and all(re.fullmatch(AXIS, name) for name in named):
+        if len(set(named)) < len(self.rows) and all(re.fullmatch(_AXIS, name) for name in named):
             for cells in self.rows.values():
                 cells.pop("joint", None)
 
@@ -149,7 +150,7 @@ class JointRows:
     def _name_by_number(self, field: str) -> None:
         """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
         cells = {place: row[field] for place, row in self.rows.items() if field in row}
-        matches = {place: re.fullmatch(NUMBER, cell.text) for place, cell in cells.items()}
+        matches = {place: re.fullmatch(_NUMBER, cell.text) for place, cell in cells.items()}
         numbers = {place: int(match[1]) for place, match in matches.items() if match}
         base = self.first == 0 and 0 in cells
         if not cells or len(numbers) < len(cells) - (base and 0 not in numbers):
@@ -168,11 +169,16 @@ def _variables_in(cells: Mapping[str, Cell], reader: RowReader) -> dict[str, int
     """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
     found: dict[str, int | None] = {}
     for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
-        if name in cells and any(map(str.isalpha, cells[name].text)):
-            with suppress(QuantityError):  # the cell is refused when it is read
-                quantity = evaluate(cells[name].text, dimension, decimal_comma=True, symbols=reader.units.symbols)
-                if quantity.variable is not None:
-                    found[name] = quantity.variable.row
+        text = cells[name].text if name in cells else ""
+        if not any(map(str.isalpha, text)):
+            continue
+        try:
+            variable = evaluate(text, dimension, decimal_comma=True, symbols=reader.units.symbols).variable
+        except QuantityError:
+            if name == "theta" and re.search(_MEANT_VARIABLE, text):
+                found[name] = None  # the cell is refused, and lacks no variable besides
+        else:
+            found |= {name: variable.row} if variable else {}
     return found
 
 

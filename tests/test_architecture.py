@@ -420,7 +420,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4150,
     "plugins/dh2urdf_plugins/loaders": 2640,
     "plugins/dh2urdf_plugins/packages": 2070,
-    "plugins/dh2urdf_plugins/readers": 7550,
+    "plugins/dh2urdf_plugins/readers": 7300,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 730,
     "plugins/dh2urdf_studio": 6770,

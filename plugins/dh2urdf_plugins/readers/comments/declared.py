@@ -24,7 +24,7 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
-from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, header_fields, joint_type, key_of, keys_in, near
+from dh2urdf_plugins.readers.words.fields import convention_of, header_fields, joint_type, key_of, keys_in, near
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -66,6 +66,8 @@ _ENDS = frozenset(",;/)]}&|.")
 _MEASURES = ("length", "angle", "mass", "inertia", "effort", "velocity")
 _DECLARING = (*Convention, *_MEASURES, "of_conventions", "beside_conventions", "before", "between")
 """Words of a sentence that does nothing but declare."""
+_BEFORE_UNIT = ("before", *_MEASURES, *Convention)
+"""Words before a unit that is meant."""
 _FOREIGN = ("mm", "cm", "deg", "rad")
 """Units that have words of their own in `vocabulary.toml`."""
 _WHOLE = frozenset(("a", "alpha", "d", "theta", "joint", "link", "index", "type", "robot", "convention"))
@@ -241,31 +243,20 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
     if fields - _WHOLE and not named:
         return {}  # `joint limits in degrees` says nothing of other angles
     found: dict[str, set[str]] = {}
-    alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
-    is_list = alone and len(list(filter(_unit, tokens))) > 1
-    has_unit_word = any(_is("before", token) and len(token) > 2 for token in tokens)  # noqa: PLR2004 - no preposition
-    last: int | None = None  # the place of the latest unit
-    for place, token in enumerate(tokens):
+    is_alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
+    is_list = is_alone and len(list(filter(_unit, tokens))) > 1
+    is_open = is_alone  # whether what is before shows that a unit is meant
+    for token, behind in pairwise([*tokens, "."]):
         unit = _unit(token)
         key = KEY_OF.get(unit.dimension) if unit else None
-        if not unit or not key or (_is("no_units", token) and not is_list):
-            continue
-        behind = tokens[place + 1] if place + 1 < len(tokens) else "."
-        if (token.casefold() == "in" and behind not in _ENDS) or _is("of", behind):
-            continue
-        start = place - 1
-        while start >= 0 and (_is("between", tokens[start]) or (has_unit_word and tokens[start] == "1")):
-            start -= 1
-        before = tokens[start] if start >= 0 else ""
-        listed_alone = before in _LISTING and (behind in _ENDS or _is("between", behind)) and len(token) > 1
-        joined = start == last and place - start > 1  # `mm and deg`
-        follows = joined or (last is not None and start <= last + 1 and before in _LISTING)
-        opened = before in _OPENING or _is("before", before) or any(_is(name, before) for name in _MEASURES)
-        field = FIELDS.get(tokens[start - 1].casefold()) if before in _LISTING and start > 0 else None
-        of_field = field is not None and field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
-        if alone or follows or opened or of_field or listed_alone:
-            found.setdefault(key, set()).add(unit.symbol)
-            last = place
+        is_other = (_is("no_units", token) and not is_list) or (token.casefold() == "in" and behind not in _ENDS)
+        if unit and key and not is_other and not _is("of", behind):
+            if is_open:
+                found.setdefault(key, set()).add(unit.symbol)
+        elif token in _OPENING or any(_is(name, token) for name in _BEFORE_UNIT):
+            is_open = True
+        elif not (token in _LISTING or _is("between", token)):
+            is_open = token.casefold() in _WHOLE and behind in _LISTING  # `a/mm`
     if len(fields & _LENGTHS) == 1 and "length" not in named:
         found.pop("length", None)  # `a in mm` says nothing of d
     return {key: units.pop() for key, units in found.items() if len(units) == 1}

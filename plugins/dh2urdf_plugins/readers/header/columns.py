@@ -255,7 +255,7 @@ def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
     text, mark, held = columns.headers[index], columns.marks[index], header.field
     if held is None or held.dimension is None:
         return []
-    about = {"mark": mark, "field": held.name}
+    about: dict[str, Any] = {"mark": mark, "field": held.name}
     problems = [say("header-with-sign", **about, found=text)] if text.startswith(("-", "−", "–")) else []
     if held.name in ("lower", "upper", "limits") and "theta" in header.key:
         columns.of_theta.add(index)

@@ -76,9 +76,13 @@ def completed(header: CellRow, row: CellRow) -> CellRow | None:
     if len(row.cells) > len(header.cells) or not all(cell is None or isinstance(cell, str) for cell in row.cells):
         return None
     names, texts = headers_in(header), headers_in(row)
-    filled = [(name, text) for name, text in _pairs(names, texts) if text]
-    if all(map(_is_dash, texts)) or not all(_is_part(name, text) for name, text in filled):
+    if all(map(_is_dash, texts)):
         return None
+    for name, text in _pairs(names, texts):
+        title = read_header(name).field
+        is_part = not (title and not title.parts) and any(read_header(each).field for each in (f"{name} {text}", text))
+        if not (_is_dash(text) or unit_in(text) or is_part):
+            return None
     below: list[str] = []
     for name, text, mark in zip(names, texts, row.marks or [row.mark] * len(texts), strict=False):
         said, unit = read_header(name).unit, unit_in(text)
@@ -120,11 +124,3 @@ def _joined(top: str, sub: str) -> str:
     header = read_header(sub)
     measures = header.field and header.field.dimension and header.unit is None
     return f"{sub} [{unit}]" if measures and unit and is_unit(unit) else sub
-
-
-def _is_part(name: str, text: str) -> bool:
-    """Whether a cell below a name is its unit, a dash for none, or the name of one of its fields."""
-    if unit_in(text) or _is_dash(text):
-        return True
-    title = read_header(name).field
-    return (not title or bool(title.parts)) and any(read_header(each).field for each in (f"{name} {text}", text))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.columns import COM, INERTIA, ROW_FIELDS, SI_UNITS
@@ -34,7 +35,7 @@ UNIT_KEYS = {
 KEY_OF = {dimension: key for key, dimensions in UNIT_KEYS.items() for dimension in dimensions}
 """The keys of `units` by what they declare the unit of."""
 _GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
-_PLURAL = {Dimension.LENGTH: "lengths", Dimension.ANGLE: "angles", Dimension.MASS: "masses"}
+_PLURAL: dict[str, str] = {Dimension.LENGTH: "lengths", Dimension.ANGLE: "angles", Dimension.MASS: "masses"}
 _PLURAL[Dimension.INERTIA] = "moments of inertia"
 _RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
 """What has the unit of lengths or angles per second, where these have a sure one."""
@@ -153,10 +154,10 @@ def _of_kinds(
     doubts: Mapping[str, Doubt],
 ) -> dict[str, Doubt]:
     """Why the unit of a whole kind of quantities is in doubt: it may go with another that is not the SI unit."""
-    said: dict[str, Unit] = {**known, **headers}
-    foreign = {what: unit for what, unit in said.items() if not (unit.is_si or unit.symbol.startswith("kg"))}
-    reasons = {what: _unit_of(_PLURAL.get(what, what), unit) for what, unit in foreign.items()}
-    reasons |= {what: doubt.reason for what, doubt in doubts.items()}
+    reasons = {what: doubt.reason for what, doubt in doubts.items()}
+    for what, unit in chain[tuple[str, Unit]](known.items(), headers.items()):
+        if not (unit.is_si or unit.symbol.startswith("kg")):
+            reasons.setdefault(what, _unit_of(_PLURAL.get(what, what), unit))
     found: dict[str, Doubt] = {}
     for what, measured, parts in _MADE_OF:
         why = next((reasons[part] for part in parts if part in reasons), None)

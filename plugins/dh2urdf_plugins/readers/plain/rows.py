@@ -117,7 +117,7 @@ class PlainRows:
         if not plain or self._are_in_doubt() or not _fit(values, kinds):
             return None
         signs = list(map(int, values.pop("sign", [1.0] * len(rows))))
-        alike = {"joint": names[0], "link": names[1], "type": kinds, "sign": signs}
+        alike: dict[str, Sequence[object]] = {"joint": names[0], "link": names[1], "type": kinds, "sign": signs}
         geometry = dict.fromkeys(GEOMETRY, [0.0] * len(rows)) | values
         missing = [[number is None for number in values[name]] for name in LIMITS if None in values.get(name, ())]
         return [

@@ -130,19 +130,6 @@ class CellReader:
                 self.point = self.point or cell
         return text.replace(",", ".") if in_quotes else text
 
-    def _in_two_ways(self) -> Problem | None:
-        """What is wrong with commas of the manipulator: one is the decimal sign where it cannot separate thousands.
-
-        `1,250` alone is refused: it is 1.25 in one country and 1250 in another; beside `0,3` it is 1.25. Beside decimal
-        commas `1.250` is refused for the same reason, and `304.8` is read. Other arms of the file do not matter.
-        """
-        comma, point = self.comma, self.point
-        if comma is None or (self.is_sure and point is None):
-            return None
-        if point is None:
-            return say("comma-alone", comma.mark, found=comma.text)
-        return say("comma-and-point", comma.mark, found=comma.text, point=shown(point.text), place=point.mark.in_file)
-
     # --- Columns that no field knows ----------------------------------------------------------------------------------
 
     def _unknown(self, cell: Cell, index: int, number: int, cells: dict[str, Cell]) -> None:
@@ -175,7 +162,12 @@ class CellReader:
 
     def finish(self) -> None:
         """Reports what is wrong with columns and numbers of all rows, and once which columns are left out."""
-        self.reader.add(*filter(None, [*self.refused.values(), self._in_two_ways()]))
+        self.reader.add(*self.refused.values())
+        # `1,250` alone is 1.25 in one country and 1250 in another; beside `0,3` it is 1.25. Beside decimal commas
+        # `1.250` is refused for the same reason, and `304.8` is read. Other arms of the file do not matter.
+        unclear = self.point if self.is_sure else self.comma
+        if self.comma and unclear:
+            self.reader.add(say("thousands-perhaps", unclear.mark, found=unclear.text))
         columns, left_out = self.columns, sorted(self.left_out - self.refused.keys())
         found = [index for index in left_out if columns.headers[index] != self.reader.types_from]
         if found:

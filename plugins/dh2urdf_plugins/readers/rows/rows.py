@@ -255,12 +255,12 @@ class RowReader:
         """Geometry and direction of the row: of a joint variable, what is added to it is the offset."""
         values = {name: read[name].value if name in read else 0.0 for name in ("a", "alpha", "d", "theta", "offset")}
         if self._says("flip"):
-            turn, sign = "flip", {True: -1.0, False: 1.0}.get(flip_of(self._cells["flip"].text))
+            turn, sign = "flip", {True: -1.0, False: 1.0, None: 0.0}[flip_of(self._cells["flip"].text)]
         else:
             turn, sign = "sign", read["sign"].value if "sign" in read else 1.0
         if sign not in (1.0, -1.0):
             self._note("direction-unknown", turn)
-        direction = -1 if sign == -1.0 else 1
+        direction = -1 if sign < 0 else 1
         for name, changes in (("offset", values["offset"]), (turn, direction < 0)):
             if kind is JointType.FIXED and changes:
                 self._note("change-of-fixed", name)

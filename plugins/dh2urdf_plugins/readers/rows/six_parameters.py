@@ -27,19 +27,12 @@ say = Messages(__file__)
 
 
 class Extra(NamedTuple):
-    """What a row has besides a, α, d and θ.
+    """What a row has besides a, α, d and θ."""
 
-    Attributes:
-        beta: the turn about y behind the row [rad].
-        gamma: the turn about z before the row [rad].
-        b: the shift along z before the row [m].
-        mark: the place of γ or b.
-    """
-
-    beta: float = 0.0
-    gamma: float = 0.0
-    b: float = 0.0
-    mark: Mark | None = None
+    beta: float = 0.0  # the turn about y behind the row [rad]
+    gamma: float = 0.0  # the turn about z before the row [rad]
+    b: float = 0.0  # the shift along z before the row [m]
+    mark: Mark | None = None  # the place of γ or b
 
 
 def extra_problems(extras: Mapping[str, Extra], convention: Convention | None) -> Iterator[Problem]:

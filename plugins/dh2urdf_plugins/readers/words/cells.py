@@ -23,14 +23,8 @@ def text_of(value: Value) -> str:
 
 
 class Cell(NamedTuple):
-    """A text of a table and its place.
-
-    Attributes:
-        text: the text.
-        mark: its place.
-        of_theta: whether its header says that it bounds theta, which is not q where the row has an offset.
-    """
+    """A text of a table and its place."""
 
     text: str
     mark: Mark
-    of_theta: bool = False
+    of_theta: bool = False  # whether its header says that it bounds theta, which is not q where the row has an offset

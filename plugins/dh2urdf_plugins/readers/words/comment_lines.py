@@ -42,19 +42,12 @@ _NUMBER = r"[-+−(]*([0-9]|[.,][0-9]|\\?pi\b|π)"
 
 @dataclass(frozen=True, slots=True)
 class Comment:
-    """A comment of a table, in whatever format.
+    """A comment of a table, in whatever format."""
 
-    Attributes:
-        text: what is behind the marker.
-        mark: where that stands.
-        line: the whole comment, as messages repeat it.
-        whole: the place of the whole comment.
-    """
-
-    text: str
-    mark: Mark
-    line: str
-    whole: Mark
+    text: str  # what is behind the marker
+    mark: Mark  # where that is
+    line: str  # the whole comment, as messages repeat it
+    whole: Mark  # the place of the whole comment
 
     @classmethod
     def of(cls, line: str, place: Mark, *, longest: int = MAX_TEXT) -> Comment:

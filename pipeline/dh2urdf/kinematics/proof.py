@@ -21,7 +21,7 @@ from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
-from dh2urdf.kinematics.walk import CompiledChain, Frame, Stacks, values_of
+from dh2urdf.kinematics.walk import CompiledChain, Frame, values_of
 from dh2urdf.manipulator import TOOL, JointType
 from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages, listed
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.kinematics.expected_poses import Array, Tip
-    from dh2urdf.kinematics.walk import Numbers
+    from dh2urdf.kinematics.walk import Numbers, Vector
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Joint, Robot
 
@@ -39,7 +39,7 @@ say = Messages(__file__)
 
 TOLERANCE = 1e-9
 """What a written description may differ from the DH product: [m] per metre of arm, at least per 1 m, and [rad]."""
-TOGETHER = 9000
+TOGETHER = 12_000
 """Joint vectors, counted for each arm, that are walked together: so many that their arrays stay in the cache."""
 
 
@@ -150,7 +150,7 @@ def _largest_at_once(said: CompiledChain, found: CompiledChain, poses: Sequence[
     q = np.array(poses, dtype=float).reshape(len(poses), len(poses[0])).T[:, :, None].copy()
     with np.errstate(all="ignore"):  # What is not a number is an infinite error.
         values = values_of(q)
-        frames = [chain.walk(values, Stacks)[-1] for chain in (said, found)]
+        frames = [chain.walk(values)[-1] for chain in (said, found)]
         position, angle, worst = _largest_of_arms(*_squared_differences(*frames, shape=(len(poses), 1)))
     return LargestErrors(position[0], angle[0], tuple(q[:, worst[0], 0].tolist()))
 
@@ -175,15 +175,14 @@ def _squared_differences(one: Frame, other: Frame, *, shape: tuple[int, int]) ->
     """The squared distance of two frames' origins [m²], and the sum of the squared differences of their axes."""
     import numpy as np
 
-    position = _squared(one.origin - other.origin)
-    x, y, z = (_squared(left - right) for left, right in zip(one.axes, other.axes, strict=True))
+    position = _squared_distance(one.origin, other.origin)
+    x, y, z = map(_squared_distance, one.axes, other.axes)
     return np.broadcast_to(position, shape), np.broadcast_to(x + y + z, shape)
 
 
-def _squared(vectors: Array) -> Array:
-    vectors *= vectors
-    x, y, z = vectors
-    return x + y + z
+def _squared_distance(one: Vector, other: Vector) -> Numbers:
+    x, y, z = [left - right for left, right in zip(one, other, strict=True)]
+    return x * x + y * y + z * z
 
 
 def _angle(chord: float) -> float:
@@ -258,7 +257,7 @@ def _proofs(
     with np.errstate(all="ignore"):
         for first in range(0, poses, at_once):
             some = [tuple([number[first : first + at_once] for number in value]) for value in values]
-            tips = [frame for chain in chains for frame in chain.walk(some, Stacks)]
+            tips = [frame for chain in chains for frame in chain.walk(some)]
             differences.append(_squared_differences(*tips, shape=(min(at_once, poses - first), arms)))
     positions, angles, worst = _largest_of_arms(*map(np.concatenate, zip(*differences, strict=True)))
     vectors = [value[worst, range(arms) if value.shape[1] > 1 else 0].tolist() for value in q]

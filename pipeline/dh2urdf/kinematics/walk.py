@@ -4,116 +4,37 @@ A chain is a sequence of moves along an axis of the frame and turns about one, s
 it leaves out what does nothing: a length of 0, and a quarter turn, which only gives the axes other names and signs. So
 neither costs anything or rounds anything when the chain is walked.
 
-A walk carries the three axes of a frame and its origin. Every step turns two of the axes or moves the origin, by the
-sums of a kind of vectors. `Triples` are tuples of three floats, or of three arrays of one shape, and need no numpy.
-`Stacks` are arrays of shape (3, P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All
-sums are elementwise, so that an arm's figures do not depend on the arms beside it.
+A walk carries the three axes of a frame and its origin, each three numbers: floats, which need no numpy, or arrays of
+shape (P, N) for P joint vectors of N arms, with a dimension of 1 where all are alike. All sums are elementwise, so that
+an arm's figures do not depend on the arms beside it.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, cos_sin, cross, exact_cos_sin
+from dh2urdf.rotations import (
+    IDENTITY,
+    X_AXIS,
+    Y_AXIS,
+    Z_AXIS,
+    ZERO,
+    RigidTransform,
+    Rotation,
+    Vec3,
+    cos_sin,
+    cross,
+    exact_cos_sin,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-# --- Vectors ----------------------------------------------------------------------------------------------------------
-
 Numbers: TypeAlias = Any
 """A float, or an array."""
-Vector: TypeAlias = Any
-"""Three numbers, or an array whose first dimension is 3."""
+Vector: TypeAlias = tuple[Numbers, Numbers, Numbers]
 Axes: TypeAlias = tuple[Vector, Vector, Vector]
 """The x, y and z axis of a frame."""
-
-
-class Triples:
-    """Vectors that are tuples of three floats, or of three arrays of one shape; they need no numpy."""
-
-    @staticmethod
-    def axes() -> Axes:
-        """The axes of the root."""
-        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-
-    @staticmethod
-    def origin() -> Vector:
-        """Its origin."""
-        return ZERO
-
-    @staticmethod
-    def moved(p: Vector, length: Numbers, u: Vector) -> Vector:
-        """The point p + l·u."""
-        x, y, z = p
-        a, b, c = u
-        return (x + length * a, y + length * b, z + length * c)
-
-    @staticmethod
-    def turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """The axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u."""
-        x, y, z = u
-        a, b, d = v
-        return (c * x + s * a, c * y + s * b, c * z + s * d), (c * a - s * x, c * b - s * y, c * d - s * z)
-
-    @staticmethod
-    def mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
-        """For each column x, y, z of a matrix a sum of the axes: x·u + y·v + z·w."""
-        (a, b, c), (d, e, f), (g, h, i) = axes
-        columns = [matrix[column::3] for column in range(3)]
-        return [(x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i) for x, y, z in columns]
-
-
-class Stacks:
-    """Vectors that are arrays of shape (3, P, N)."""
-
-    @staticmethod
-    def axes() -> Axes:
-        """As those of `Triples`."""
-        import numpy as np
-
-        x, y, z = np.eye(3).reshape(3, 3, 1, 1)
-        return (x, y, z)
-
-    @staticmethod
-    def origin() -> Vector:
-        """As that of `Triples`."""
-        import numpy as np
-
-        return np.zeros((3, 1, 1))
-
-    @staticmethod
-    def moved(p: Vector, length: Numbers, u: Vector) -> Vector:
-        """As that of `Triples`."""
-        return _added(length * u, p)
-
-    @staticmethod
-    def turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """As that of `Triples`."""
-        return _added(c * u, s * v), _added(c * v, -s * u)
-
-    @staticmethod
-    def mixed(matrix: Sequence[Numbers], axes: Axes) -> list[Vector]:
-        """As that of `Triples`."""
-        columns = [matrix[column::3] for column in range(3)]
-        return [_added(_added(x * axes[0], y * axes[1]), z * axes[2]) for x, y, z in columns]
-
-
-def _added(total: Vector, term: Vector) -> Vector:
-    """A sum, in the memory of the first array where there is room: new memory costs several times what a sum does."""
-    poses, arms = total.shape[-2:]
-    other_poses, other_arms = term.shape[-2:]
-    if poses >= other_poses and arms >= other_arms:
-        total += term
-        return total
-    return total + term
-
-
-Vectors: TypeAlias = type[Triples] | type[Stacks]
-"""How a kind of vectors is added."""
-
-# --- Chains -----------------------------------------------------------------------------------------------------------
-
 Names: TypeAlias = tuple[tuple[int, float], tuple[int, float], tuple[int, float]]
 """For each axis of a frame the axis of the walked frame that it is, and its sign."""
 
@@ -149,7 +70,7 @@ class Frame(NamedTuple):
 
     @property
     def transform(self) -> RigidTransform:
-        """The frame as a rigid transform, of triples."""
+        """The frame as a rigid transform."""
         (a, d, g), (b, e, h), (c, f, i) = self.axes
         return RigidTransform((a, b, c, d, e, f, g, h, i), self.origin)
 
@@ -223,17 +144,17 @@ class CompiledChain:
         """A frame that a walk returns."""
         self.steps.append((_STOP, 0, None, self._names))
 
-    def walk(self, values: Sequence[JointValue], vectors: Vectors = Triples) -> list[Frame]:
+    def walk(self, values: Sequence[JointValue]) -> list[Frame]:
         """The frames at the stops, at values of all joints [rad or m]."""
-        axes, origin = list(vectors.axes()), vectors.origin()
-        moved, turned, mixed = vectors.moved, vectors.turned, vectors.mixed
+        axes: list[Vector] = [X_AXIS, Y_AXIS, Z_AXIS]
+        origin: Vector = ZERO
         stops: list[Frame] = []
         for kind, axis, joint, numbers in self.steps:
             if kind == _MOVE:
                 length, factor = numbers
                 if joint is not None:
                     length = length + factor * values[joint][0]
-                origin = moved(origin, length, axes[axis])
+                origin = _moved(origin, length, axes[axis])
             elif kind == _TURN:
                 cosine, sine, sign = numbers
                 if joint is not None:
@@ -241,15 +162,17 @@ class CompiledChain:
                     s = s if sign > 0 else -s
                     cosine, sine = (c, s) if cosine is None else (cosine * c + -sine * s, sine * c + cosine * s)
                 after, last = (axis + 1) % 3, axis - 1
-                axes[after], axes[last] = turned(cosine, sine, axes[after], axes[last])
+                axes[after], axes[last] = _turned(cosine, sine, axes[after], axes[last])
             elif kind == _STOP:
-                stops.append(Frame(_renamed(axes, numbers, vectors), origin))
+                stops.append(Frame(_renamed(axes, numbers), origin))
             else:
                 matrix, names = numbers
                 if joint is not None:
                     _, c, s = values[joint]
                     matrix = rotation_about(matrix, c, s)
-                axes = mixed(matrix, _renamed(axes, names, vectors))
+                (a, b, c), (d, e, f), (g, h, i) = _renamed(axes, names)
+                columns = [matrix[column::3] for column in range(3)]
+                axes = [(x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i) for x, y, z in columns]
         return stops
 
     def _named(self, axis: int, factor: float) -> tuple[int, float]:
@@ -258,9 +181,23 @@ class CompiledChain:
         return name, factor * sign
 
 
-def _renamed(axes: Sequence[Vector], names: Names, vectors: Vectors) -> Axes:
+def _moved(p: Vector, length: Numbers, u: Vector) -> Vector:
+    """The point p + l·u."""
+    x, y, z = p
+    a, b, c = u
+    return (x + length * a, y + length * b, z + length * c)
+
+
+def _turned(c: Numbers, s: Numbers, u: Vector, v: Vector) -> tuple[Vector, Vector]:
+    """The axes u and v after a turn by an angle in their plane: c·u + s·v and c·v − s·u."""
+    x, y, z = u
+    a, b, d = v
+    return (c * x + s * a, c * y + s * b, c * z + s * d), (c * a - s * x, c * b - s * y, c * d - s * z)
+
+
+def _renamed(axes: Sequence[Vector], names: Names) -> Axes:
     """The axes that have these names."""
-    x, y, z = [axes[name] if sign > 0 else vectors.moved(vectors.origin(), -1.0, axes[name]) for name, sign in names]
+    x, y, z = [axes[name] if sign > 0 else _moved(ZERO, -1.0, axes[name]) for name, sign in names]
     return (x, y, z)
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.kinematics import CompiledChain
-from dh2urdf.kinematics.walk import Stacks, values_of
+from dh2urdf.kinematics.walk import values_of
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
@@ -135,15 +135,15 @@ def test_a_walk_is_the_product_of_its_parts(ways: list[Way], poses: list[tuple[f
 
 
 @given(ways=ways, poses=joint_vectors)
-def test_stacks_give_what_floats_give(ways: list[Way], poses: list[tuple[float, ...]]) -> None:
+def test_arrays_give_what_floats_give(ways: list[Way], poses: list[tuple[float, ...]]) -> None:
     """All joint vectors together give the frames that they give one by one; later steps leave earlier frames alone."""
     chain = with_stops(ways)
     values = [np.array(column).reshape(-1, 1) for column in zip(*poses, strict=True)]
-    together = chain.walk(values_of(values), Stacks)
+    together = chain.walk(values_of(values))
     for number, q in enumerate(poses):
         for frame, alone in zip(together, chain.walk(values_of(q)), strict=True):
             for found, wanted in zip((*frame.axes, frame.origin), (*alone.axes, alone.origin), strict=True):
-                at_pose = np.broadcast_to(found, (3, len(poses), 1))[:, number, 0]
+                at_pose = _stacked(found, len(poses), 1)[:, number, 0]
                 np.testing.assert_allclose(at_pose, wanted, rtol=0, atol=1e-14)
 
 
@@ -153,12 +153,16 @@ def test_arms_side_by_side_are_each_its_own(ways: list[Way], data: st.DataObject
     arms = [[_changed(way, data.draw) for way in ways] for _ in range(3)]
     q = [np.array([[0.3], [-1.2]]), np.array([[0.7], [2.0]]), np.array([[0.0], [0.4]])]
     columns = with_stops([_column([arm[number] for arm in arms]) for number in range(len(ways))])
-    together = columns.walk(values_of(q), Stacks)
+    together = columns.walk(values_of(q))
     for place, arm in enumerate(arms):
-        for frame, alone in zip(together, with_stops(arm).walk(values_of(q), Stacks), strict=True):
+        for frame, alone in zip(together, with_stops(arm).walk(values_of(q)), strict=True):
             for found, wanted in zip((*frame.axes, frame.origin), (*alone.axes, alone.origin), strict=True):
-                own = np.broadcast_to(found, (3, 2, 3))[:, :, place : place + 1]
-                np.testing.assert_array_equal(own, np.broadcast_to(wanted, (3, 2, 1)))
+                own = _stacked(found, 2, 3)[:, :, place : place + 1]
+                np.testing.assert_array_equal(own, _stacked(wanted, 2, 1))
+
+
+def _stacked(vector: tuple[Any, Any, Any], poses: int, arms: int) -> Matrix:
+    return np.stack([np.broadcast_to(number, (poses, arms)) for number in vector])
 
 
 def _changed(way: Way, draw: Any) -> Way:

@@ -6,7 +6,7 @@ import math
 import random
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import (
@@ -214,7 +214,17 @@ def _read_otherwise(chain: KinematicChain, manipulator: Manipulator) -> str | No
     wanted, zero = screws_of_chain(chain)
     conventions = sorted(Convention, key=lambda each: each is not manipulator.convention)
     for convention, factor, (turn, angles) in product(conventions, _FACTORS, _TURNS):
-        other = _scaled(replace(manipulator, convention=convention), factor, turn)
+        rows = []
+        for row in manipulator.rows:
+            numbers: dict[str, Any] = {
+                "a": row.a * factor,
+                "d": row.d * factor,
+                "alpha": row.alpha * turn,
+                "theta": row.theta * turn,
+            }
+            offset = row.offset * (factor if row.type is JointType.PRISMATIC else turn)
+            rows.append(replace(row, **numbers, offset=offset))
+        other = replace(manipulator, convention=convention, rows=tuple(rows))
         if other == manipulator or isinstance(aligned := align(wanted, screws_of_table(other), TOLERANCE), Mismatch):
             continue
         said = [f"the {convention} convention"] if convention is not manipulator.convention else []
@@ -224,18 +234,6 @@ def _read_otherwise(chain: KinematicChain, manipulator: Manipulator) -> str | No
         more = ", with another base, tool, sign or offset" if needed else ""
         return f"read with {' and '.join(said)}, the table is the arm of the description{more}"
     return None
-
-
-def _scaled(manipulator: Manipulator, factor: float, turn: float) -> Manipulator:
-    """The table as if its lengths were in another unit, and its angles."""
-
-    def scaled(row: DHRow) -> DHRow:
-        offset = row.offset * (factor if row.type is JointType.PRISMATIC else turn)
-        return replace(
-            row, a=row.a * factor, d=row.d * factor, alpha=row.alpha * turn, theta=row.theta * turn, offset=offset
-        )
-
-    return replace(manipulator, rows=tuple(map(scaled, manipulator.rows)))
 
 
 def _corrected(manipulator: Manipulator, alignment: Alignment, zero: RigidTransform) -> Manipulator:

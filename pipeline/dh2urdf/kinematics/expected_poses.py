@@ -24,7 +24,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, greater_of, norm, smalle
 from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.kinematics.walk import Numbers
     from dh2urdf.robot import Joint, Robot
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 Poses: TypeAlias = tuple[tuple[float, ...], ...]
 Array: TypeAlias = Any
 """An array of numpy, which is imported where one is made."""
-Pick: TypeAlias = "Callable[[Numbers], Numbers]"
-"""Gives the numbers of some arms of those of all."""
 
 LARGEST_SAMPLE = 1e3
 """Joint values beyond this are not sampled [rad or m]: an arm is proved where it can be, not at limits of 1e300."""
@@ -133,16 +131,16 @@ def proof_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
     return (*ends, *joint_vectors(expected, robot, count))
 
 
-def joint_columns(table: Manipulator, robot: Robot, pick: Pick, count: int) -> list[Array]:
+def joint_columns(table: Manipulator, moving: Sequence[Joint], count: int) -> list[Array]:
     """For each moving joint its values [rad or m], of shape (P, N), or (P, 1) where all arms have the same limits."""
     import numpy as np
 
-    joints = {joint.name: joint for joint in robot.joints}
+    joints = {joint.name: joint for joint in moving}
     names = [row.joint for row in table.moving_rows]
     inside = np.array(fractions(len(names), max(0, count - 1))).reshape(max(0, count - 1), len(names), 1)
     values = []
     for index, name in enumerate(names):
-        lower, upper = _range(joints.get(name), pick)
+        lower, upper = _range(joints.get(name))
         nearest_to_zero = np.minimum(np.maximum(0.0, lower), upper)
         ends = np.stack(np.broadcast_arrays(0.0, lower, upper, nearest_to_zero)).reshape(4, -1)
         values.append(np.concatenate((ends, lower + inside[:, index] * (upper - lower)))[: 3 + count])
@@ -155,10 +153,8 @@ def joint_ranges(expected: ExpectedPoses, robot: Robot) -> list[tuple[float, flo
     return [_range(joints.get(name)) for name in expected.joints]
 
 
-def _range(joint: Joint | None, pick: Pick = lambda numbers: numbers) -> tuple[Numbers, Numbers]:
+def _range(joint: Joint | None) -> tuple[Numbers, Numbers]:
     """The joint values that are sampled [rad or m]; takes columns."""
-    lower = pick(joint.limits.lower) if joint else None
-    upper = pick(joint.limits.upper) if joint else None
-    if lower is None or upper is None:
+    if joint is None or joint.limits.lower is None or joint.limits.upper is None:
         return -math.pi, math.pi
-    return greater_of(lower, -LARGEST_SAMPLE), smaller_of(upper, LARGEST_SAMPLE)
+    return greater_of(joint.limits.lower, -LARGEST_SAMPLE), smaller_of(joint.limits.upper, LARGEST_SAMPLE)

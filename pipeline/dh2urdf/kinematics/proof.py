@@ -17,13 +17,13 @@ from dataclasses import dataclass, field, replace
 from itertools import repeat
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.columns import replaced
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, values_of
 from dh2urdf.manipulator import TOOL, JointType
-from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages, listed
 
 if TYPE_CHECKING:
@@ -237,17 +237,11 @@ def _proofs(
 
     chosen = np.array(places)
 
-    def of_tables(numbers: Numbers) -> Numbers:
-        return numbers[chosen] if is_column(numbers) else numbers
+    def of_places(numbers: Numbers) -> Numbers:
+        return numbers[chosen]
 
-    rows = [
-        replace_unchecked(
-            row, **{name: of_tables(getattr(row, name)) for name in ("a", "alpha", "d", "theta", "offset")}
-        )
-        for row in table.rows
-    ]
-    table = replace_unchecked(table, rows=tuple(rows))
-    q = joint_columns(table, robot, of_tables, count)
+    table = replace_unchecked(table, rows=replaced(table.rows, of_places))
+    q = joint_columns(table, replaced(robot.joints, of_places), count)
     with np.errstate(all="ignore"):
         chains = ExpectedPoses.of(table).tips[0].compiled(), _written_way(joints)
         values = values_of(q)

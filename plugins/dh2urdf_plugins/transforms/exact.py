@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.robot import Collision, Cylinder, new_origin, new_visual
+from dh2urdf.robot import Collision, Cylinder, Visual, new_origin, new_visual
 from dh2urdf.rotations import IDENTITY, DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
 from dh2urdf_plugins.transforms.checks import is_frame, sure_tables
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns, RobotColumns
     from dh2urdf.manipulator import DHRow, Limits, Manipulator, MeshShape
-    from dh2urdf.robot import Material, Robot, Visual
+    from dh2urdf.robot import Material, Robot
     from dh2urdf.rotations import Number, RigidTransform
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
     from dh2urdf_plugins.transforms.formulas import Symbol
@@ -209,10 +209,13 @@ def _or_meshes(
     """What is seen of a link, and what touches: the meshes that the table has for these, else the given shapes."""
     seen, touch = drawn
     if visual or collision:
-        from dh2urdf_plugins.transforms.meshes import mesh_collision, mesh_visual
+        from dh2urdf_plugins.transforms.meshes import placed_mesh
 
-        seen = (mesh_visual(visual, dh_frame, material),) if visual else seen
-        touch = (mesh_collision(collision, dh_frame),) if collision else touch
+        if visual:  # COLLADA files have colours of their own.
+            colour = None if visual.file.path.lower().endswith(".dae") else material
+            seen = (Visual(**placed_mesh(visual, dh_frame), material=colour),)
+        if collision:
+            touch = (Collision(**placed_mesh(collision, dh_frame)),)
     return seen, touch
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from dh2urdf.errors import MissingDependencyError, TransformError
 from dh2urdf.kinematics.mass import scaled
 from dh2urdf.meshes import FORMATS, REMEDY, Asset, asset_of, enclosed, file_address, load_scene, read_mesh, to_metres
-from dh2urdf.robot import Collision, Inertial, Mesh, Origin, Visual
+from dh2urdf.robot import Inertial, Mesh, Origin
 from dh2urdf.source import Messages, Problem
 from dh2urdf_plugins.transforms.checks import is_weighed
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from dh2urdf.manipulator import DHRow, Manipulator, MeshFile, MeshShape
-    from dh2urdf.robot import Material
     from dh2urdf.rotations import RigidTransform, Vec3
 
 say = Messages(__file__)
@@ -36,18 +35,7 @@ _FLAT = 1e-12  # volume over the cube of the size: below, it is rounding
 _OTHER_FILES = {".obj": re.compile(rb"^\s*mtllib\s", re.MULTILINE), ".dae": re.compile(rb"<init_from>[^<]*\.\w+\s*<")}
 
 
-def mesh_visual(shape: MeshShape, dh_frame: RigidTransform, material: Material) -> Visual:
-    """A mesh as it is seen; COLLADA files have colours of their own."""
-    colour = None if Path(shape.file.path).suffix.lower() == ".dae" else material
-    return Visual(**_placed(shape, dh_frame), material=colour)
-
-
-def mesh_collision(shape: MeshShape, dh_frame: RigidTransform) -> Collision:
-    """A mesh as it touches."""
-    return Collision(**_placed(shape, dh_frame))
-
-
-def _placed(shape: MeshShape, dh_frame: RigidTransform) -> dict[str, Any]:
+def placed_mesh(shape: MeshShape, dh_frame: RigidTransform) -> dict[str, Any]:
     """A mesh, and its origin in the link's frame: numbers, also where the link follows parameters."""
     frame = dh_frame @ shape.pose
     x, y, z = frame.translation

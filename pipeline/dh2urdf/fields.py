@@ -222,22 +222,15 @@ def _takes_of(kind: type, *, exact: bool) -> tuple[Take, list[tuple[str, int, li
     """
     hints, names = get_type_hints(kind), _names_of(kind)
     get = operator.attrgetter(*names) if len(names) > 1 else lambda record: (getattr(record, names[0]),)
-    takes = [
-        (name, number, _kept(hints[name], exact=exact), _take_of(hints[name], exact=exact))
-        for number, name in enumerate(names)
-    ]
-    return get, takes, {}
-
-
-def _kept(hint: Any, *, exact: bool) -> list[type]:  # noqa: ANN401 - a type
-    """The types whose values a field keeps without a look at them."""
-    parts = get_args(hint) if get_origin(hint) is not tuple else ()
     looked_at = (RigidTransform, float) if exact else (RigidTransform,)
-    return [
-        each
-        for each in parts or (hint,)
-        if isinstance(each, type) and each not in looked_at and not (exact and _numbers_of(each))
-    ]
+    takes = []
+    for number, name in enumerate(names):
+        hint = hints[name]
+        parts = (get_args(hint) if get_origin(hint) is not tuple else ()) or (hint,)
+        types = [each for each in parts if isinstance(each, type) and each not in looked_at]
+        kept = [each for each in types if not (exact and _numbers_of(each))]
+        takes.append((name, number, kept, _take_of(hint, exact=exact)))
+    return get, takes, {}
 
 
 @cache
@@ -271,9 +264,8 @@ def as_number(value: Any) -> float:  # noqa: ANN401 - whatever is given
     """
     suggestion = None
     if isinstance(value, (str, bytes, bytearray)):
-        suggestion = (
-            "write the number without quotes; `dh2urdf.Manipulator.from_dh` reads texts as the cells of a table"
-        )
+        from_dh = "`dh2urdf.Manipulator.from_dh` reads texts as the cells of a table"
+        suggestion = f"write the number without quotes; {from_dh}"
     # numpy turns truth values, moments and complex numbers into floats too.
     elif not isinstance(value, bool) and _kind(value) in "iufO" and not (_shape(value) or hasattr(value, "mask")):
         try:

@@ -179,22 +179,15 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
     links, joints = [Link(name=WORLD)], []
     for arm in arms:
         kind, prefix = arm.kind, arm.prefix
-        joints.append(
-            Joint(
-                name=prefix + kind.mounting,
-                type=JointType.FIXED,
-                parent=arm.parent,
-                child=prefix + kind.root,
-                origin=arm.placement,
-            )
-        )
+        name, root = prefix + kind.mounting, prefix + kind.root
+        joints.append(Joint(name=name, type=JointType.FIXED, parent=arm.parent, child=root, origin=arm.placement))
         for joint in kind.joints:
             names = {name: prefix + getattr(joint, name) for name in ("name", "parent", "child")}
             joints.append(replace(joint, **names, origin=_in_numbers(joint.origin)))
         # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
-        root = kind.links[0]
-        root = root if root.inertial else replace(root, inertial=WEIGHTLESS)
-        links += [_placed_link(link, prefix) for link in (root, *kind.links[1:])]
+        first, *others = kind.links
+        first = first if first.inertial else replace(first, inertial=WEIGHTLESS)
+        links += [_placed_link(link, prefix) for link in (first, *others)]
     return Robot(
         name=cell.name,
         links=tuple(links),

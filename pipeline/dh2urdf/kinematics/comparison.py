@@ -6,7 +6,7 @@ import math
 import random
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.kinematics.chain import (
@@ -216,14 +216,9 @@ def _read_otherwise(chain: KinematicChain, manipulator: Manipulator) -> str | No
     for convention, factor, (turn, angles) in product(conventions, _FACTORS, _TURNS):
         rows = []
         for row in manipulator.rows:
-            numbers: dict[str, Any] = {
-                "a": row.a * factor,
-                "d": row.d * factor,
-                "alpha": row.alpha * turn,
-                "theta": row.theta * turn,
-            }
             offset = row.offset * (factor if row.type is JointType.PRISMATIC else turn)
-            rows.append(replace(row, **numbers, offset=offset))
+            row = replace(row, a=row.a * factor, d=row.d * factor, offset=offset)  # noqa: PLW2901 - as it is read
+            rows.append(replace(row, alpha=row.alpha * turn, theta=row.theta * turn))
         other = replace(manipulator, convention=convention, rows=tuple(rows))
         if other == manipulator or isinstance(aligned := align(wanted, screws_of_table(other), TOLERANCE), Mismatch):
             continue

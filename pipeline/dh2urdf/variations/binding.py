@@ -28,7 +28,19 @@ def bind(call: VariationCall, nominal: Manipulator) -> Variation:
     Raises:
         ConfigError: the table has no such joint or value, or the count is not possible; all are reported at once.
     """
-    return _Binder(call, nominal).variation()
+    binder = _Binder(call, nominal)
+    factors: dict[str, Factor] = {}
+    for rule in call.vary:
+        for factor in binder.factors(rule):
+            if factor.key in factors:
+                binder.add_problem(rule, "varied-twice", key=factor.key, first=factors[factor.key].mark)
+            factors.setdefault(factor.key, factor)
+    varied = tuple(factors.values())
+    count = 0 if binder.problems else binder.count(varied)
+    if binder.problems:
+        raise ConfigError(binder.problems)
+    name, seed, sampling, mark = call.name, call.seed, call.sampling, call.mark
+    return Variation(name=name, nominal=nominal, factors=varied, count=count, seed=seed, sampling=sampling, mark=mark)
 
 
 class _Binder:
@@ -39,35 +51,14 @@ class _Binder:
         self.rows = nominal.rows
         self.nominal = nominal
         self.problems: list[Problem] = []
-
-    def variation(self) -> Variation:
-        """The variation; `bind` says what it raises."""
         # The types that the joint of each row may get.
         self.types: list[tuple[JointType, ...]] = [(row.type,) for row in self.rows]
         for rule in self.call.vary:
             if rule.field == TYPE and isinstance(rule.law, Choices | Grid):
                 for index in self._indices(rule, quiet=True):
                     self.types[index] = tuple(JointType(str(word)) for word in rule.law.values)
-        factors: dict[str, Factor] = {}
-        for rule in self.call.vary:
-            for factor in self._factors(rule):
-                if factor.key in factors:
-                    self._add_problem(rule, "varied-twice", key=factor.key, first=factors[factor.key].mark)
-                factors.setdefault(factor.key, factor)
-        count = 0 if self.problems else self._count(tuple(factors.values()))
-        if self.problems:
-            raise ConfigError(self.problems)
-        return Variation(
-            name=self.call.name,
-            nominal=self.nominal,
-            factors=tuple(factors.values()),
-            count=count,
-            seed=self.call.seed,
-            sampling=self.call.sampling,
-            mark=self.call.mark,
-        )
 
-    def _add_problem(self, rule: Rule, code: str, *, mark: Mark | None = None, **about: Any) -> None:  # noqa: ANN401 - of a message
+    def add_problem(self, rule: Rule, code: str, *, mark: Mark | None = None, **about: Any) -> None:  # noqa: ANN401 - of a message
         self.problems.append(say(code, mark or rule.mark, field=rule.field, **about))
 
     # --- Joints
@@ -87,7 +78,7 @@ class _Binder:
             elif not quiet:
                 near = did_you_mean(str(joint), names) if isinstance(joint, str) else None
                 about = {"table": self.nominal.name, "count": len(names), "names": names[:20], "suggestion": near}
-                self._add_problem(rule, "varied-joint-unknown", mark=mark, found=str(joint), **about)
+                self.add_problem(rule, "varied-joint-unknown", mark=mark, found=str(joint), **about)
         return indices
 
     def _has(self, index: int, name: str) -> bool:
@@ -96,12 +87,12 @@ class _Binder:
 
     # --- Factors
 
-    def _factors(self, rule: Rule) -> Iterator[Factor]:
+    def factors(self, rule: Rule) -> Iterator[Factor]:
         if rule.field == AXES:
             have = len(self.nominal.moving_rows)
             for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
                 if float(value) > have:
-                    self._add_problem(rule, "axes-too-many", found=str(value), table=self.nominal.name, have=have)
+                    self.add_problem(rule, "axes-too-many", found=str(value), table=self.nominal.name, have=have)
             yield Factor(key=AXES, field=AXES, row=None, law=rule.law, mark=rule.mark)
             return
         nominals: list[tuple[int, float | None]] = []
@@ -110,11 +101,11 @@ class _Binder:
             value = getattr(row.limits if rule.field in LIMITS else row, rule.field)
             nominals.append((index, float(value) if isinstance(value, int | float) else None))
         if rule.joints is None and not nominals:
-            self._add_problem(rule, "no-joint-has-field", table=self.nominal.name)
+            self.add_problem(rule, "no-joint-has-field", table=self.nominal.name)
         is_named = rule.joints not in (None, (ALL,))  # a rule for all joints may be for many arms
         if isinstance(rule.law, Scale) and is_named and nominals and all(nominal == 0 for _, nominal in nominals):
             joint = self.rows[nominals[0][0]].joint if len(nominals) == 1 else None
-            self._add_problem(rule, "multiple-of-0", joint=joint, found="0")
+            self.add_problem(rule, "multiple-of-0", joint=joint, found="0")
             return
         for index, nominal in nominals:
             before = len(self.problems)
@@ -127,13 +118,13 @@ class _Binder:
         """What a joint cannot have, and values that do not fit it."""
         what, types = FIELDS[rule.field], self.types[index]
         if not self._has(index, rule.field):
-            self._add_problem(rule, "type-without-field", joint=row.joint, type=types[0], types=sorted(what.types))
+            self.add_problem(rule, "type-without-field", joint=row.joint, type=types[0], types=sorted(what.types))
             return
         fitting = [kind for kind in types if kind in what.types]
         for kind in fitting:
             for unit in rule.units:
                 if unit is not what.of(kind):
-                    self._add_problem(
+                    self.add_problem(
                         rule, "other-measure", joint=row.joint, type=kind, measure=what.of(kind), given=unit
                     )
                     return
@@ -142,15 +133,15 @@ class _Binder:
         nominal_kind = {JointType.CONTINUOUS: JointType.REVOLUTE}.get(row.type, row.type)
         kinds = {{JointType.CONTINUOUS: JointType.REVOLUTE}.get(kind, kind) for kind in fitting}
         if (what.linear or rule.field in LIMITS) and kinds != {nominal_kind}:
-            self._add_problem(rule, "start-of-other-type", joint=row.joint, type=row.type)
+            self.add_problem(rule, "start-of-other-type", joint=row.joint, type=row.type)
         elif nominal is None:
-            self._add_problem(rule, "start-missing", joint=row.joint)
+            self.add_problem(rule, "start-missing", joint=row.joint)
         elif isinstance(rule.law, Normal) and rule.law.probability(nominal) < LEAST_PROBABILITY:
-            self._add_problem(rule, "bounds-off-nominal", joint=row.joint, nominal=nominal)
+            self.add_problem(rule, "bounds-off-nominal", joint=row.joint, nominal=nominal)
 
     # --- How many
 
-    def _count(self, factors: Sequence[Factor]) -> int:
+    def count(self, factors: Sequence[Factor]) -> int:
         grids = [factor.law.values for factor in factors if isinstance(factor.law, Grid)]
         points = prod(len(values) for values in grids)
         drawn = len(factors) - len(grids)

@@ -238,15 +238,10 @@ class RobotColumns:
         """One of them."""
         robot = member(self.robot, index)
         missing = {shape for shape, present in self.present.items() if not present[index]}
-        links = [
-            replace(
-                link,
-                collisions=tuple(
-                    shape for number, shape in enumerate(link.collisions) if (place, number) not in missing
-                ),
-            )
-            for place, link in enumerate(robot.links)
-        ]
+        links = []
+        for place, link in enumerate(robot.links):
+            there = [shape for number, shape in enumerate(link.collisions) if (place, number) not in missing]
+            links.append(replace(link, collisions=tuple(there)))
         return replace(robot, name=self.names[index], comment=self.comments[index], links=tuple(links))
 
 

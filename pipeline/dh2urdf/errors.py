@@ -153,15 +153,8 @@ class UnknownStageError(InputError):
 
     def __init__(self, kind: str, name: str, installed: Sequence[str]) -> None:
         self.kind, self.name, self.installed = kind, name, tuple(installed)
-        super().__init__(
-            say(
-                "stage-unknown",
-                found=name,
-                kind=kind,
-                installed=", ".join(sorted(installed)) or f"nothing: no {kind} is installed",
-                suggestion=did_you_mean(name, installed),
-            )
-        )
+        there, near = ", ".join(sorted(installed)) or f"nothing: no {kind} is installed", did_you_mean(name, installed)
+        super().__init__(say("stage-unknown", found=name, kind=kind, installed=there, suggestion=near))
 
     def __reduce__(self) -> tuple[type[UnknownStageError], tuple[str, str, tuple[str, ...]]]:
         return type(self), (self.kind, self.name, self.installed)

@@ -113,9 +113,7 @@ class Composer:
     ) -> None:
         whole = _HALVES.sub(lambda found: found[1] + json.loads(f'"{found[2]}"'), text) if "\\u" in text else text
         self.parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(whole)
-        self.text = text
-        self.file = file
-        self.error = error
+        self.text, self.file, self.error = text, file, error
         self.items_of = items_of
         self.longest_list = longest_list or sys.maxsize
         self.problems: list[Problem] = []
@@ -232,9 +230,8 @@ class Composer:
         """Adds what ``<<`` stands for; keys of the mapping itself, and earlier ones of a list, win."""
         for source in merged.value if isinstance(merged.value, list) else [merged]:
             if not isinstance(source.value, dict):
-                self.problems.append(
-                    say("yaml-merge-no-mapping", source.mark, found=source.text, what=source.describe())
-                )
+                what = source.describe()
+                self.problems.append(say("yaml-merge-no-mapping", source.mark, found=source.text, what=what))
                 continue
             for key, node in source.value.items():
                 if key not in entries:

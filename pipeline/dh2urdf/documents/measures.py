@@ -33,24 +33,20 @@ def measured(node: Node, dimension: Dimension, turns: int = 1) -> float:
         raise QuantityError(f"{node.describe()} stands where a number is needed", "a number")
     quantity = evaluate(node.text, dimension)
     if quantity.variable:
-        raise QuantityError(
-            f"{shown(node.text)} names a joint variable, and nothing moves here", accepted_forms(dimension)
-        )
+        message = f"{shown(node.text)} names a joint variable, and nothing moves here"
+        raise QuantityError(message, accepted_forms(dimension))
     size = abs(quantity.value)
     largest = LARGEST_BARE.get(dimension.plain, inf) * (turns if dimension is Dimension.ANGLE else 1)
     if size > largest and not quantity.has_unit:
         if dimension is Dimension.ANGLE:
-            found, most = (
-                ("a full turn in rad", "2π rad") if turns == 1 else (f"{turns} turns in rad", f"{largest:.4g} rad")
-            )
-            unit = "degrees, say so: '{} deg'"
+            found, most, unit = f"{turns} turns in rad", f"{largest:.4g} rad", "degrees, say so: '{} deg'"
+            if turns == 1:
+                found, most = "a full turn in rad", "2π rad"
         else:
-            found, most, unit = f"{LARGEST_BARE['length']:g} m", f"{LARGEST_BARE['length']:g} m", _MILLIMETRES
-        raise QuantityError(
-            f"{shown(node.text)} is more than {found}",
-            f"at most {most} where no unit is named",
-            f"if these are {unit.format(node.text.strip())}",
-        )
+            found = most = f"{LARGEST_BARE['length']:g} m"
+            unit = _MILLIMETRES
+        message, accepted = f"{shown(node.text)} is more than {found}", f"at most {most} where no unit is named"
+        raise QuantityError(message, accepted, f"if these are {unit.format(node.text.strip())}")
     if dimension is Dimension.ANGLE and size > LARGEST_ANGLE:
         raise QuantityError(f"{shown(node.text)} is more than a thousand turns", "at most a thousand turns")
     return quantity.value

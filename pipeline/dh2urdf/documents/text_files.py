@@ -159,9 +159,8 @@ def refuse_other_kind(
     """
     if found := kind_of_file(content):
         kind, advice = found
-        raise error(
-            say("other-kind-of-file", Mark(file=file), kind=kind, wanted=wanted, accepted=accepted, suggestion=advice)
-        )
+        about = {"kind": kind, "wanted": wanted}
+        raise error(say("other-kind-of-file", Mark(file=file), accepted=accepted, suggestion=advice, **about))
 
 
 def decoded(content: bytes | str, file: str, error: type[InputError] = ConfigError) -> str:

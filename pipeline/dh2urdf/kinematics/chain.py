@@ -148,13 +148,14 @@ def compile_table(
 
 
 def compile_joints(
-    chain: CompiledChain, joints: Sequence[Joint], numbers: Sequence[int] | None = None, *, with_axes: bool = False
-) -> None:
-    """Add joints of a description, from the root outwards, to a chain, each with its origin and motion; takes columns.
+    joints: Sequence[Joint], numbers: Sequence[int] | None = None, *, with_axes: bool = False
+) -> CompiledChain:
+    """The way along joints of a description, from the root outwards, each with its origin and motion; takes columns.
 
     The moving ones have these numbers in the joint vector, or are counted from 0. With axes, a walk stops where each of
     them is, before it moves.
     """
+    chain = CompiledChain()
     following = count() if numbers is None else iter(numbers)
     for joint in joints:
         for along, length in enumerate(joint.origin.xyz):
@@ -171,6 +172,8 @@ def compile_joints(
                 chain.move(along, 0.0, joint=number, factor=factor)
         else:
             chain.turn_about(joint.axis, number)
+    chain.stop()
+    return chain
 
 
 class KinematicChain(NamedTuple):
@@ -192,10 +195,7 @@ class KinematicChain(NamedTuple):
     @classmethod
     def of(cls, joints: Sequence[Joint]) -> KinematicChain:
         """The chain of some joints, from the root outwards."""
-        compiled = CompiledChain()
-        compile_joints(compiled, joints)
-        compiled.stop()
-        return cls(tuple(joints), compiled)
+        return cls(tuple(joints), compile_joints(joints))
 
     @classmethod
     def between(cls, robot: Robot, root: str = ROOT, tip: str = TOOL) -> KinematicChain:
@@ -300,9 +300,7 @@ def screws_of_table(manipulator: Manipulator, q: JointVector | None = None) -> l
 
 def screws_of_chain(chain: KinematicChain, q: JointVector | None = None) -> tuple[list[Screw], RigidTransform]:
     """The axes of a chain's moving joints at a joint vector [rad or m], at zero without it, and T(root → tip)."""
-    compiled = CompiledChain()
-    compile_joints(compiled, chain.joints, with_axes=True)
-    compiled.stop()
+    compiled = compile_joints(chain.joints, with_axes=True)
     *frames, tip = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(chain.moving)))]
     screws = [
         Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)

@@ -100,9 +100,8 @@ def compare(
         chain = KinematicChain.between(robot, base, tip)
     except ValueError as error:
         raise ConfigError(say("ends-without-chain", reason=error)) from None
-    result = Agreement(
-        base_link=base, tip_link=tip, joints=tuple(joint.name for joint in chain.moving), difference=None
-    )
+    names = tuple(joint.name for joint in chain.moving)
+    result = Agreement(base_link=base, tip_link=tip, joints=names, difference=None)
     if apart := _other_joints(chain.moving, manipulator.moving_rows):
         return replace(result, first_difference=apart)
     difference = _difference(chain, manipulator)
@@ -161,9 +160,8 @@ def _other_joints(joints: Sequence[Joint], rows: Sequence[DHRow]) -> str | None:
         return f"the description has {len(joints)} moving joints on this chain, the table {len(rows)}"
     for number, (joint, row) in enumerate(zip(joints, rows, strict=True), start=1):
         if (joint.type is JointType.PRISMATIC) != (row.type is JointType.PRISMATIC):
-            return (
-                f"joint {number}, {shown(joint.name)}, is {joint.type} in the description and {row.type} in the table"
-            )
+            types = f"{joint.type} in the description and {row.type} in the table"
+            return f"joint {number}, {shown(joint.name)}, is {types}"
     return None
 
 

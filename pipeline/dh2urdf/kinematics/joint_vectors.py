@@ -93,10 +93,8 @@ def _by_position(vectors: Values, names: JointNames) -> dict[str, Values]:
     if vectors.shape[-1] != len(names.wanted):
         kind = "moving joints" if names.wanted == names.moving else "joints"
         shape = f" (the array has the shape {vectors.shape})" if vectors.ndim > 1 else ""
-        counts = {"count": len(names.wanted), "entries": vectors.shape[-1]}
-        raise names.refused(
-            "entries-not-joints", kind_of_joints=kind, shape=shape, names=_listed(names.wanted), **counts
-        )
+        about = {"count": len(names.wanted), "entries": vectors.shape[-1], "names": _listed(names.wanted)}
+        raise names.refused("entries-not-joints", kind_of_joints=kind, shape=shape, **about)
     return {name: vectors[..., index] for index, name in enumerate(names.wanted)}
 
 

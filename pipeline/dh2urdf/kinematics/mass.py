@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import new_inertia
 from dh2urdf.robot import Box, Cylinder, Inertial, Sphere, new_inertial
 from dh2urdf.rotations import ZERO, Condition, Vec3, add, is_column, multiply, rotate, subtract, where
@@ -125,14 +126,7 @@ def compound(bodies: Sequence[Inertial]) -> Inertial:
 
 def scaled(inertia: Inertia, factor: float) -> Inertia:
     """An inertia tensor times a number: that of the same shape with another mass."""
-    return new_inertia(
-        ixx=factor * inertia.ixx,
-        iyy=factor * inertia.iyy,
-        izz=factor * inertia.izz,
-        ixy=factor * inertia.ixy + 0.0,
-        ixz=factor * inertia.ixz + 0.0,
-        iyz=factor * inertia.iyz + 0.0,
-    )
+    return new_inertia(**{name: factor * getattr(inertia, name) + 0.0 for name in INERTIA})
 
 
 def principal_moments(inertia: Inertia) -> Vec3:

@@ -73,7 +73,7 @@ def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[floa
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
     ways = {
-        tip.link: (tip.compiled(), _written_way(joints_to(expected, tip, written), tip.columns))
+        tip.link: (tip.compiled(), compile_joints(joints_to(expected, tip, written), tip.columns))
         for tip in expected.tips
     }
     largest = _largest_at_once if at_once and poses else largest_errors
@@ -88,14 +88,6 @@ def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[floa
         tip=worst,
         tips={link: errors.position for link, errors in found.items()},
     )
-
-
-def _written_way(joints: Sequence[Joint], columns: Sequence[int] | None = None) -> CompiledChain:
-    """The joints on the way to a tip, whose values are these entries of a joint vector."""
-    chain = CompiledChain()
-    compile_joints(chain, joints, columns)
-    chain.stop()
-    return chain
 
 
 def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint, ...]:
@@ -243,7 +235,7 @@ def _proofs(
     table = replace_unchecked(table, rows=replaced(table.rows, of_places))
     q = joint_columns(table, replaced(robot.joints, of_places), count)
     with np.errstate(all="ignore"):
-        chains = ExpectedPoses.of(table).tips[0].compiled(), _written_way(joints)
+        chains = ExpectedPoses.of(table).tips[0].compiled(), compile_joints(joints)
         values = values_of(q)
     poses, arms = 3 + count, len(places)
     at_once = max(1, TOGETHER // arms)

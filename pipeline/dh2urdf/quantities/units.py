@@ -282,14 +282,12 @@ def unit_where(text: str, dimension: Dimension) -> Unit | None:
 def unknown_unit(text: str, dimension: Dimension) -> QuantityError:
     """What is wrong with a word that is no unit."""
     word = unit_word(text)
-    advice = _OTHER_UNITS.get(word) or did_you_mean(
-        word, [word for word, unit in UNITS.items() if dimension.holds(unit.dimension)]
-    )
+    fitting = [name for name, unit in UNITS.items() if dimension.holds(unit.dimension)]
+    advice = _OTHER_UNITS.get(word) or did_you_mean(word, fitting)
     if re.fullmatch(r".*/s(2|/s)", word):
         advice = "a table has no field for accelerations: leave the column out"
-    return QuantityError(
-        f"{shown(text)} is no unit of {dimension.plain} that is known", accepted_units(dimension), advice
-    )
+    message = f"{shown(text)} is no unit of {dimension.plain} that is known"
+    return QuantityError(message, accepted_units(dimension), advice)
 
 
 def is_unit(text: str, *, others: bool = False) -> bool:

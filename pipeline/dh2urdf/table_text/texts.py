@@ -44,19 +44,14 @@ def table_text(
     length, angle = UNITS[length_unit], UNITS[angle_unit]
     # A column of links has a name in every row.
     has_links = any(row.link != f"link_{number}" for number, row in enumerate(manipulator.rows, start=1))
+    others = _meshes(manipulator, length, angle, folder, "base_")
+    of_base: dict[str, Any] = {"mass": manipulator.base_mass, "geometry": manipulator.base_geometry, "others": others}
     return TableText(
         name=manipulator.name,
         convention=str(manipulator.convention),
         length_unit=length_unit,
         angle_unit=angle_unit,
-        base=transform_text(
-            manipulator.base,
-            length,
-            angle,
-            mass=manipulator.base_mass,
-            geometry=manipulator.base_geometry,
-            others=_meshes(manipulator, length, angle, folder, "base_"),
-        ),
+        base=transform_text(manipulator.base, length, angle, **of_base),
         tool=transform_text(manipulator.tool, length, angle),
         payload=_flow(_payload(manipulator.payload, length)),
         defaults=_flow({"geometry": _geometry(manipulator.geometry, length), "density": manipulator.density}),

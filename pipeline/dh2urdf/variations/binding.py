@@ -124,9 +124,8 @@ class _Binder:
         for kind in fitting:
             for unit in rule.units:
                 if unit is not what.of(kind):
-                    self.add_problem(
-                        rule, "other-measure", joint=row.joint, type=kind, measure=what.of(kind), given=unit
-                    )
+                    about: dict[str, Any] = {"type": kind, "measure": what.of(kind), "given": unit}
+                    self.add_problem(rule, "other-measure", joint=row.joint, **about)
                     return
         if not is_relative(rule.law):
             return

@@ -7,7 +7,7 @@ anywhere, in any order, and none has to be kept.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field as attribute, fields, replace
+from dataclasses import dataclass, field as attribute, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,8 @@ from dh2urdf.columns import (
 )
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.kinematics.mass import scaled
+from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
 from dh2urdf.quantities.units import Dimension
 from dh2urdf.rotations import is_column
 from dh2urdf.source import Mark, Messages, Problem, shown
@@ -310,8 +311,7 @@ def changed(row: DHRow, values: Mapping[str, Any]) -> DHRow:
     changes: dict[str, Any] = {name: _number(value) for name, value in values.items() if name not in limits}
     inertia = row.inertia
     if "mass" in changes and row.mass and inertia:
-        ratio = changes["mass"] / row.mass
-        inertia = Inertia(**{part.name: getattr(inertia, part.name) * ratio for part in fields(inertia)})
+        inertia = scaled(inertia, changes["mass"] / row.mass)
     return replace_unchecked(
         row, **changes, limits=replace(row.limits, **limits) if limits else row.limits, inertia=inertia
     )

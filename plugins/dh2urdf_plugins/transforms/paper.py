@@ -10,10 +10,10 @@ The links end up in a straight line, as the paper's conclusion says: signs and o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Box, Collision, Origin, Visual
-from dh2urdf.rotations import Y_AXIS, Z_AXIS, ZERO, Vec3
+from dh2urdf.rotations import Y_AXIS, Z_AXIS, ZERO
 from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters, travel
 from dh2urdf_plugins.transforms.checks import nearest_paper_angle
 from dh2urdf_plugins.transforms.formulas import (
@@ -29,9 +29,7 @@ from dh2urdf_plugins.transforms.formulas import (
 from dh2urdf_plugins.transforms.shapes import BASE_COLOUR, LINK_COLOURS, Style, pedestal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from dh2urdf.manipulator import DHRow, Manipulator
+    from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
@@ -40,22 +38,12 @@ THICKNESS = 0.01
 _LEAST = 1e-5  # shortest side of a box [m]
 
 
-class PaperRow(NamedTuple):
-    """What the algorithm keeps of a row: the joint's axis, the direction to the next joint, and two lengths [m]."""
-
-    axis: Vec3
-    direction: Vec3
-    along_y: Quantity
-    along_z: Quantity
-
-    def box(self, shorter: float = 0.0) -> Box:
-        """The link's box: its lengths along y and z, the paper's thickness where there is none."""
-        thick = Quantity(THICKNESS)
-        y, z = (
-            length_of(length, shorter, least=_LEAST) if length.value else thick
-            for length in (self.along_y, self.along_z)
-        )
-        return Box(size=(thick.value, y.value, z.value), size_formula=(thick.formula, y.formula, z.formula))
+def _box(along_y: Quantity, along_z: Quantity, shorter: float = 0.0) -> Box:
+    """A link's box: its lengths along y and z, the paper's thickness where there is none."""
+    thick = Quantity(THICKNESS)
+    lengths = (along_y, along_z)
+    y, z = (length_of(length, shorter, least=_LEAST) if length.value else thick for length in lengths)
+    return Box(size=(thick.value, y.value, z.value), size_formula=(thick.formula, y.formula, z.formula))
 
 
 def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
@@ -63,11 +51,15 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
     parts = []
     here = NO_VECTOR
     rows = manipulator.rows
-    for number, (row, swapped, limits) in enumerate(zip(rows, swapped_rows(rows), complete_limits(rows), strict=True)):
-        length = greater(swapped.along_y, swapped.along_z)
-        step = times(length, constants(swapped.direction))
+    turned = turned_origins = False  # two swaps of y and z undo each other, so only odd or even counts
+    for number, (row, limits) in enumerate(zip(rows, complete_limits(rows), strict=True)):
+        a, d = Quantity.parameter(f"a_{number + 1}", row.a), Quantity.parameter(f"d_{number + 1}", row.d)
+        along_y, along_z = (d, a) if turned else (a, d)
+        axis, direction = Y_AXIS if turned else Z_AXIS, Y_AXIS if turned_origins else Z_AXIS
+        length = greater(along_y, along_z)
+        step = times(length, constants(direction))
         middle = origin(times(HALF, step))
-        sides = [abs(side.value) for side in (swapped.along_y, swapped.along_z) if side.value]
+        sides = [abs(side.value) for side in (along_y, along_z) if side.value]
         # The box that touches is half its thickness shorter at each end, where something of it remains.
         touches = sides and min(sides) - THICKNESS > _LEAST
         colour = LINK_COLOURS[number % len(LINK_COLOURS)]
@@ -77,16 +69,19 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
                 limits=limits,
                 holder=rows[number - 1].link if number else None,
                 origin=origin(here),
-                axis=swapped.axis,
-                visuals=(Visual(geometry=swapped.box(), origin=middle, material=colour),),
-                collisions=(Collision(geometry=swapped.box(THICKNESS), origin=middle),) if touches else (),
+                axis=axis,
+                visuals=(Visual(geometry=_box(along_y, along_z), origin=middle, material=colour),),
+                collisions=(Collision(geometry=_box(along_y, along_z, THICKNESS), origin=middle),) if touches else (),
                 foot=ZERO,
                 reach=length.value + travel(row.type, limits),
-                arm=0.0 if swapped.axis == swapped.direction else length.value,
+                arm=0.0 if axis == direction else length.value,
                 dh_frame=None,
             )
         )
         here = step
+        word, _ = nearest_paper_angle(row.alpha)
+        turned ^= word in ("pi/2", "-pi/2")
+        turned_origins ^= word == "-pi/2"
     stand = pedestal(NO_VECTOR, constants(Z_AXIS), NO_VECTOR, Style("box", 0.5 * THICKNESS, BASE_COLOUR))
     return assemble(
         manipulator,
@@ -101,19 +96,3 @@ def paper(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
             "its kinematics is not that of the table"
         ),
     )
-
-
-def swapped_rows(rows: Iterable[DHRow]) -> Iterator[PaperRow]:
-    """Axes, directions and lengths after the swaps of all rows before, row by row from the base."""
-    turned = turned_origins = False  # two swaps of y and z undo each other, so only odd or even counts
-    for number, row in enumerate(rows, start=1):
-        a, d = Quantity.parameter(f"a_{number}", row.a), Quantity.parameter(f"d_{number}", row.d)
-        yield PaperRow(
-            axis=Y_AXIS if turned else Z_AXIS,
-            direction=Y_AXIS if turned_origins else Z_AXIS,
-            along_y=d if turned else a,
-            along_z=a if turned else d,
-        )
-        word, _ = nearest_paper_angle(row.alpha)
-        turned ^= word in ("pi/2", "-pi/2")
-        turned_origins ^= word == "-pi/2"

@@ -310,7 +310,6 @@ def run(
         ExecutorError: nobody does the work.
         PluginError: the run needs a plugin that is broken, or something it needs is not installed.
     """
-    from dh2urdf.run_file.reading import Asked
     from dh2urdf.running.run import execute, load_plan
 
     mark, root = Mark(file="dh2urdf.run()"), None
@@ -324,7 +323,7 @@ def run(
         root = load_yaml(word_of(config), str(mark), ConfigError)
         config = "run"
     check_arguments("path", mark, config="" if config is None else config)
-    plan = load_plan(Path(config), catalog, settings_of(settings), output, root, asked=Asked(mark, "settings: "))
+    plan = load_plan(Path(config), catalog, settings_of(settings), output, root, mark=mark)
     _, report = execute(plan, resume=resume, dry_run=dry_run, keep=keep)
     return report
 

@@ -238,10 +238,7 @@ _JointName: TypeAlias = Annotated[str, "a joint"]
 class AxesEntry(TypedDict):
     """What the axes of an arm declare about its kinematics, by the names of the joints."""
 
-    parallel: Annotated[
-        list[Annotated[list[_JointName], "joints in a row whose axes are parallel"]],
-        "all of them",
-    ]
+    parallel: Annotated[list[Annotated[list[_JointName], "joints in a row whose axes are parallel"]], "all of them"]
     spherical_wrist: Annotated[list[_JointName], "the last three joints, where their axes meet in one point"]
     opw: OpwEntry | None
 

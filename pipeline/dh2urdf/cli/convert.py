@@ -8,24 +8,8 @@ from unicodedata import normalize
 
 import click
 
-from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli import EXIT_STATUS, shared_options as shared
 from dh2urdf.cli.answers import answer
-from dh2urdf.cli.shared_options import (
-    DASH,
-    NAME,
-    PATH,
-    StageCommand,
-    catalog,
-    files_behind,
-    given_options,
-    given_table,
-    json_option,
-    option,
-    quiet_option,
-    set_option,
-    table_options,
-    without_option,
-)
 from dh2urdf.commands.convert import plan_conversion
 from dh2urdf.documents.text_files import is_folder, is_there
 from dh2urdf.errors import SCREENFUL, ConfigError, InputError, ManipulatorError, OutputError, UnknownStageError
@@ -47,23 +31,25 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 
-@click.command(name="convert", cls=StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
-@click.argument("tables", type=PATH, nargs=-1, required=True, metavar="TABLE…")
-@option(
+@click.command(name="convert", cls=shared.StageCommand, kinds=("reader", "transform", "emitter"), epilog=EXIT_STATUS)
+@click.argument("tables", type=shared.PATH, nargs=-1, required=True, metavar="TABLE…")
+@click.option(
     "-o", "--output", "output", metavar="FILE", help="File to write, or folder; standard output without the option."
 )
-@option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
-@table_options
-@option("--transform", metavar="NAME", help="Transform; the usual one.")
-@option(
+@click.option("--to", "format_name", metavar="NAME", help="Format; by FILE's suffix, else urdf.")
+@shared.table_options
+@click.option("--transform", metavar="NAME", help="Transform; the usual one.")
+@click.option(
     "--edit", "edits", multiple=True, metavar="YAML", help="'payload: {mass: 2.5}', a change of the arm; repeatable."
 )
-@option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
-@option("--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex).")
-@set_option("Any other option of a stage.")
-@json_option("Print what became of the tables as JSON; without -o with the description in it.")
-@quiet_option
-@without_option
+@click.option("--meshes", metavar="M", help="relative (copies beside FILE), file (file:// paths) or package://NAME.")
+@click.option(
+    "--convert-meshes", metavar="C", help="auto (OBJ), hull or decomposition (OBJ, and what touches is convex)."
+)
+@shared.set_option("Any other option of a stage.")
+@shared.json_option("Print what became of the tables as JSON; without -o with the description in it.")
+@shared.quiet_option
+@shared.without_option
 def command(
     tables: tuple[Path, ...],
     output: str | None,
@@ -90,17 +76,17 @@ def command(
     dh2urdf convert tables/*.csv -o build --to sdf
     my-program | dh2urdf convert - --from csv -o arm.urdf
     """
-    installed = catalog()
-    target = None if output is None or output == DASH else Path(output)
+    installed = shared.catalog()
+    target = None if output is None or output == shared.DASH else Path(output)
     are_several = len(tables) > 1 or (target is not None and (str(output).endswith("/") or is_folder(target)))
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
     chosen = {name: flags[name] for name in ("robot", "transform", "settings", "edits", "meshes", "convert_meshes")}
-    chosen |= {"formats": (format_name,) if format_name else (), "given": given_options(flags)}
+    chosen |= {"formats": (format_name,) if format_name else (), "given": shared.given_options(flags)}
     plans: dict[Path, partial[Conversion] | InputError] = {}
     for table, file in files.items():  # Nothing is written before a wrong word is found.
         try:
-            path, reader = given_table(table, reader_name, installed)
-            inputs = files_behind(tables)
+            path, reader = shared.given_table(table, reader_name, installed)
+            inputs = shared.files_behind(tables)
             plans[table] = plan_conversion(path, file, COMMAND_LINE, installed, reader=reader, inputs=inputs, **chosen)
         except InputError as error:
             if not are_several or isinstance(error, (ConfigError, UnknownStageError)):
@@ -109,7 +95,7 @@ def command(
     rows: list[ConversionEntry | None] = []
     failed = 0
     for table, planned in plans.items():
-        source = NAME if str(table) == DASH else str(table)
+        source = shared.NAME if str(table) == shared.DASH else str(table)
         try:
             if isinstance(planned, InputError):
                 raise planned
@@ -160,7 +146,7 @@ def _files_of(
     taken: dict[str, Path] = {}
     problems = []
     for table in tables:
-        stem = STEM if str(table) == DASH else safe_stem(table.stem)
+        stem = STEM if str(table) == shared.DASH else safe_stem(table.stem)
         first = taken.setdefault(normalize("NFC", stem).casefold(), table)  # as on file systems that ignore case
         if table in files or first != table:
             code = "table-twice" if table in files else "tables-of-one-name"

@@ -8,23 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli import EXIT_STATUS
+from dh2urdf.cli import EXIT_STATUS, shared_options as shared
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import (
-    PATH,
-    StageCommand,
-    catalog,
-    files_behind,
-    given_options,
-    given_table,
-    one_file_and_arguments,
-    option,
-    package_paths_option,
-    quiet_option,
-    set_option,
-    without_option,
-)
 from dh2urdf.commands.choices import stage_calls
 from dh2urdf.commands.extract import chains_of, description_reader, leaves_of, write_extracted
 from dh2urdf.documents.text_files import check_file, is_there
@@ -47,7 +33,6 @@ if TYPE_CHECKING:
     from dh2urdf.commands.extract import Chains
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.plugin_system.calls import Call
-    from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.stages import Reader
 
 say = Messages(__file__)
@@ -57,22 +42,22 @@ _LENGTHS, _ANGLES = click.Choice(("m", "cm", "mm")), click.Choice(("rad", "deg")
 
 @click.command(
     name="extract",
-    cls=StageCommand,
+    cls=shared.StageCommand,
     kinds=("reader",),
     which=methodcaller("can", ReadsDescriptions),
     epilog=EXIT_STATUS,
 )
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@option("-o", "--output", "output", type=PATH, metavar="TABLE", help="A .yaml or .csv file.")
-@option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
-@option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
-@option("--length-unit", type=_LENGTHS, default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
-@option("--angle-unit", type=_ANGLES, default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
-@option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
-@package_paths_option
-@set_option("Any other option of the reader.")
-@quiet_option
-@without_option
+@click.option("-o", "--output", "output", type=shared.PATH, metavar="TABLE", help="A .yaml or .csv file.")
+@click.option("--convention", metavar="C", help="standard or modified; without it and without -o, both are printed.")
+@click.option("--tips", "lists_tips", is_flag=True, help="List the leaves of ROBOT, and how many joints move each.")
+@click.option("--length-unit", type=_LENGTHS, default="m", metavar="UNIT", help="Unit of lengths: m, cm or mm.")
+@click.option("--angle-unit", type=_ANGLES, default="rad", metavar="UNIT", help="Unit of angles: rad or deg.")
+@click.option("--from", "reader_name", metavar="NAME", help="Reader of ROBOT; by its suffix.")
+@shared.package_paths_option
+@shared.set_option("Any other option of the reader.")
+@shared.quiet_option
+@shared.without_option
 def extract(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],
     output: Path | None,
@@ -105,10 +90,10 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf extract robot.urdf -o chains.yaml --tip-link '*'
     xacro robot.urdf.xacro | dh2urdf extract - --from urdf
     """
-    installed = catalog()
-    robot, arguments = one_file_and_arguments(words)
-    robot, reader_name = given_table(robot, reader_name, installed)
-    given = given_options(flags).get("reader", {})
+    installed = shared.catalog()
+    robot, arguments = shared.one_file_and_arguments(words)
+    robot, reader_name = shared.given_table(robot, reader_name, installed)
+    given = shared.given_options(flags).get("reader", {})
     if arguments:
         given["arguments"] = json.dumps(arguments)
     if package_paths:
@@ -127,7 +112,7 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
     if output is not None:
         chains = chains_of(call(), robot)
         units = {"length_unit": length_unit, "angle_unit": angle_unit}
-        lost = write_extracted(chains.arms, output, installed, inputs=files_behind([robot]), **units)
+        lost = write_extracted(chains.arms, output, installed, inputs=shared.files_behind([robot]), **units)
         if not quiet:
             print_notices([*(notice for arm in chains.arms for notice in arm.notices), *lost])
             for arm in chains.arms:
@@ -186,15 +171,15 @@ def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]
 
 @click.command(name="collisions", epilog=EXIT_STATUS)
 @click.argument("words", nargs=-1, required=True, metavar="ROBOT [NAME:=VALUE…]")
-@option("-o", "--output", "output", type=PATH, metavar="SRDF", help="Where to write; what is in it stays.")
-@option("--update", "earlier", type=PATH, metavar="SRDF", help="Another file to begin with.")
-@option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
-@option("--seed", metavar="N", help="Seed of the random states; 0.")
-@option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")
-@package_paths_option
-@set_option("Any other option of the emitter.")
-@quiet_option
-@without_option
+@click.option("-o", "--output", "output", type=shared.PATH, metavar="SRDF", help="Where to write; what is in it stays.")
+@click.option("--update", "earlier", type=shared.PATH, metavar="SRDF", help="Another file to begin with.")
+@click.option("--trials", metavar="N", help="Random states in which a pair of Never does not touch; 10000.")
+@click.option("--seed", metavar="N", help="Seed of the random states; 0.")
+@click.option("--min-distance", metavar="D", help="A pair that comes nearer is not Never [m]; 0.01.")
+@shared.package_paths_option
+@shared.set_option("Any other option of the emitter.")
+@shared.quiet_option
+@shared.without_option
 def collisions(  # noqa: PLR0917 - click hands everything over by name
     words: tuple[str, ...],
     output: Path | None,
@@ -218,7 +203,7 @@ def collisions(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf collisions robot.urdf --update old.srdf -o new.srdf --seed 7
     dh2urdf collisions ur.urdf.xacro ur_type:=ur10 name:=arm --package-path ~/ws/src -o ur10.srdf
     """
-    robot, arguments = one_file_and_arguments(words)
+    robot, arguments = shared.one_file_and_arguments(words)
     expansion = Expansion(arguments=arguments, package_paths=package_paths)
     if output is not None:
         refuse_inputs([output], [robot])
@@ -226,8 +211,16 @@ def collisions(  # noqa: PLR0917 - click hands everything over by name
             earlier = output
     for file in filter(None, (robot, earlier)):
         check_file(file, InputError)
-    installed = catalog()
-    emitter, annotates = _emitter(installed, output or earlier)
+    installed, target = shared.catalog(), output or earlier
+    able: list[Any] = [item.stage for item in installed.provided("emitter") if item.stage.can(Annotates)]
+    emitter: Any = (
+        installed.emitter_for(target, "choose a name that ends in .srdf") if target else next(iter(able), None)
+    )
+    annotates: Annotates | None = emitter and emitter.can(Annotates)
+    if emitter is None or annotates is None:
+        suffixes = sorted({suffix for each in able for suffix in each.suffixes})
+        code, mark = ("format-without-pairs", Mark(file=str(target))) if target else ("no-emitter-of-pairs", None)
+        raise ConfigError(say(code, mark, suffixes=suffixes))
     (call,) = stage_calls(installed, {"emitter": [emitter]}, COMMAND_LINE, {"emitter": flags}, settings)["emitter"]
     with depending_on(call, "annotate"):
         made: Annotation = a_record(annotates.annotate(robot, expansion, earlier, call.options), Annotation)
@@ -241,15 +234,3 @@ def collisions(  # noqa: PLR0917 - click hands everything over by name
         written = f"; written to {output}" if output else ""
         click.echo(printable(f"{robot.name}: {made.summary}{written}"), err=True)
     return 0
-
-
-def _emitter(catalog: Catalog, file: Path | None) -> tuple[Any, Annotates]:
-    """The emitter of a file's format; where there is no file, the first that annotates."""
-    able: list[Any] = [item.stage for item in catalog.provided("emitter") if item.stage.can(Annotates)]
-    chosen: Any = catalog.emitter_for(file, "choose a name that ends in .srdf") if file else next(iter(able), None)
-    if chosen is not None and (annotates := chosen.can(Annotates)):
-        return chosen, annotates
-    suffixes = sorted({suffix for each in able for suffix in each.suffixes})
-    if file is None:
-        raise ConfigError(say("no-emitter-of-pairs", suffixes=suffixes))
-    raise ConfigError(say("format-without-pairs", Mark(file=str(file)), suffixes=suffixes))

@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from dh2urdf.cli import EXIT_STATUS, SETTLED
+from dh2urdf.cli import EXIT_STATUS, SETTLED, shared_options as shared
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.shared_options import (
-    PATH,
-    StageCommand,
-    catalog,
-    given_options,
-    given_table,
-    option,
-    set_option,
-    table_options,
-    without_option,
-)
 from dh2urdf.commands.choices import chosen_manipulator, read_manipulator, reader_call, refuse_run_file
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.robots import make_robot
@@ -38,14 +27,14 @@ if TYPE_CHECKING:
     from dh2urdf.stages import Reader, Rejected
 
 
-@click.command(name="info", cls=StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
-@click.argument("table", type=PATH)
-@table_options
-@set_option("Any other option of the reader.")
-@option("--json", "form", flag_value="json", help="Print it as JSON.")
-@option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
-@option("--cells", is_flag=True, help="A line for each field: its value, as typed, its unit, and the cell.")
-@without_option
+@click.command(name="info", cls=shared.StageCommand, kinds=("reader",), epilog=EXIT_STATUS)
+@click.argument("table", type=shared.PATH)
+@shared.table_options
+@shared.set_option("Any other option of the reader.")
+@click.option("--json", "form", flag_value="json", help="Print it as JSON.")
+@click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
+@click.option("--cells", is_flag=True, help="A line for each field: its value, as typed, its unit, and the cell.")
+@shared.without_option
 def command(  # noqa: PLR0917 - click hands everything over by name
     table: Path,
     reader_name: str | None,
@@ -70,9 +59,9 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf info panda.yaml --markdown > panda.md
     dh2urdf info arms.xlsx --set sheet=Left
     """
-    installed = catalog()
-    path, reader = given_table(table, reader_name, installed)
-    call = reader_call(installed, path, reader, COMMAND_LINE, given_options(flags), settings=settings)
+    installed = shared.catalog()
+    path, reader = shared.given_table(table, reader_name, installed)
+    call = reader_call(installed, path, reader, COMMAND_LINE, shared.given_options(flags), settings=settings)
     arms, chosen, trace = _read(call, path, robot)
     detail = None
     if chosen is not None:  # with what the default transform makes of it
@@ -82,10 +71,8 @@ def command(  # noqa: PLR0917 - click hands everything over by name
             detail = details(chosen, known, made)
         except ManipulatorError as error:
             detail = details(chosen, known, None, error.problems)
-    failed = any(arm["errors"] for arm in (arms if detail is None else [detail]))
-    status: Literal[0, 1] = 1 if failed else 0
-    click.get_current_context().meta[SETTLED] = status
-    report = info_report(str(path), arms, detail, status)
+    report = info_report(str(path), arms, detail)
+    click.get_current_context().meta[SETTLED] = report["exit_status"]
     if form == "json":
         from dh2urdf.conversion.outcome import to_text
 
@@ -94,7 +81,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
         answer("\n".join(markdown(report, cells=cells)))
     else:
         answer(in_lines(report, terminal=answers().isatty(), cells=cells))
-    return status
+    return report["exit_status"]
 
 
 def _read(call: Call[Reader[Any]], path: Path, robot: str | None) -> tuple[list[BriefEntry], Manipulator | None, Trace]:

@@ -14,17 +14,10 @@ import click
 
 from dh2urdf.cli import EXIT_STATUS, SETTLED
 from dh2urdf.cli.answers import answer, answers
-from dh2urdf.cli.shared_options import (
-    PATH,
-    catalog,
-    json_option,
-    option,
-    quiet_option,
-    set_option,
-    without_option,
-)
+from dh2urdf.cli.shared_options import PATH, catalog, json_option, quiet_option, set_option, without_option
 from dh2urdf.conversion.outcome import to_text
 from dh2urdf.errors import SCREENFUL
+from dh2urdf.report.conversions import counted
 from dh2urdf.report.manifest import HOW_TO_GET, can_write_html
 from dh2urdf.report.verdicts import coverage_line, holds_still, notice_line
 from dh2urdf.running.run import execute, load_plan
@@ -44,26 +37,21 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-LINE_EVERY = 10.0
-"""Time between two lines in a log [s]."""
-MOST_ROWS = 40
-"""Rows of a summary; of a longer run it shows the failures first and counts the rest."""
-MOST_NOTICES = 20
-"""Notices of simulators in a summary, each with the number of manipulators that it is about."""
-MANY = 100
-"""Manipulators from which on a run reports how many it made per second."""
-NAME_WIDTH = 48
-"""Characters of a name in one line; a longer one is folded."""
+LINE_EVERY = 10.0  # time between two lines in a log [s]
+MOST_ROWS = 40  # rows of a summary; of a longer run it shows the failures first and counts the rest
+MOST_NOTICES = 20  # notices of simulators in a summary, each with the number of manipulators that it is about
+MANY = 100  # manipulators from which on a run reports how many it made per second
+NAME_WIDTH = 48  # characters of a name in one line; a longer one is folded
 
 
 @click.command(name="run", epilog=EXIT_STATUS)
 @click.argument("config", type=PATH)
-@option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
-@option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
-@option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")
+@click.option("-o", "--output", metavar="DIR", help="Where to, not where CONFIG says: a folder or an address.")
+@click.option("--workers", metavar="N", help="How many processes work; auto: one per processor.")
+@click.option("--resume", is_flag=True, help="Keep what an earlier run has finished and what has not changed since.")
 @set_option("Change a value of CONFIG for this run; repeatable.")
-@option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
-@option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
+@click.option("--keep", is_flag=True, help="Leave the files of the last run into DIR that this one does not write.")
+@click.option("--dry-run", is_flag=True, help="Read and check everything, write nothing.")
 @json_option("Print the report as JSON in place of the summary.")
 @quiet_option
 @without_option
@@ -155,9 +143,8 @@ def progress(*, quiet: bool, debug: bool) -> Iterator[Note]:
             bar.stop()
         for severity in severities:
             if (more := found[severity] - printed[severity]) > 0:
-                click.echo(
-                    f"and {more:,} more {severity}{'s' if more > 1 else ''}: the manifest has all of them", err=True
-                )
+                others = counted(more, f"more {severity}")
+                click.echo(f"and {others}: the manifest has all of them", err=True)
 
 
 def _bar() -> Any:  # noqa: ANN401 - rich.progress.Progress, whose import takes a tenth of a short run

@@ -35,8 +35,7 @@ say = Messages(__file__)
 
 TRACED_BYTES = 2**16
 """Size of a table of which a conversion also reads what its cells say [B]: a few hundred rows."""
-POSES = 8
-"""Random joint vectors of the proof of one conversion; `run` takes more."""
+POSES = 8  # random joint vectors of the proof of one conversion; `run` takes more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -253,11 +252,9 @@ def _mesh_settings(
     try:
         prefix = prefix_of(meshes or (FILE if target is None else RELATIVE))
         if target is None and prefix is not None:
-            setting = option(mark, "meshes", str(meshes))
             accepted = f"{option(mark, 'out', 'FILE')}, or {option(mark, 'meshes', 'file')}"
-            raise ConfigError(
-                say("meshes-nowhere", mark, found=meshes, setting=setting, where=_nowhere(mark), accepted=accepted)
-            )
+            about = {"setting": option(mark, "meshes", str(meshes)), "where": _nowhere(mark), "accepted": accepted}
+            raise ConfigError(say("meshes-nowhere", mark, found=meshes, **about))
         if not convert_meshes:
             return prefix, MeshConversion.NEVER
         from dh2urdf.meshes.conversion import conversion_of

@@ -41,8 +41,7 @@ StrPath: TypeAlias = "str | os.PathLike[str]"
 Source: TypeAlias = "StrPath | bytes | IO[str] | IO[bytes]"
 """A file, a text with several lines, bytes, or a stream."""
 
-TEXT = "the text"
-"""What messages call a table that is in no file."""
+TEXT = "the text"  # what messages call a table that is in no file
 
 
 # --- Files, texts and streams -----------------------------------------------------------------------------------------
@@ -199,8 +198,7 @@ def _labelled(table: Any, place: Mark) -> tuple[list[Any] | None, list[list[Any]
     """The names of the columns of a table, None where they have none, and the rows."""
     if hasattr(table, "itertuples"):  # a DataFrame
         headers, labels = list(table.columns), list(table.index)
-        found = table.itertuples(index=False, name=None)
-        rows = [[None if _is_missing(cell) else cell for cell in row] for row in found]
+        rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
         if all(isinstance(header, int) for header in headers):  # nobody named them
             return None, rows
         if any(isinstance(label, str) for label in labels):  # the names of the joints
@@ -244,13 +242,6 @@ def _cell_rows(headers: list[str], rows: list[list[Any]], said: Mapping[str, obj
         yield CellRow(cells, at(number, None, f"row {number}"), marks)
 
 
-def _is_missing(cell: Any) -> bool:  # noqa: ANN401 - whatever is given
-    """Whether a data frame has nothing in a cell: None, NaN, NaT or NA, none of which is equal to itself."""
-    return (
-        cell is None or type(cell).__name__ in ("NAType", "NaTType") or (isinstance(cell, float) and math.isnan(cell))
-    )
-
-
 def _cell(value: Any, mark: Mark) -> str | float | Problem | None:  # noqa: ANN401 - whatever is given
     """What a cell of a table holds."""
     if value is None or isinstance(value, bool):
@@ -275,9 +266,6 @@ def _wrong(place: Mark, code: str, **values: Any) -> RecordValueError:  # noqa: 
 
 
 # --- Screw axes -------------------------------------------------------------------------------------------------------
-
-
-_READER = "screws"
 
 
 def from_screws(
@@ -325,5 +313,5 @@ def from_screws(
     given = {"name": name, "Slist": Slist, "M": M, "Blist": Blist, "H": H, "P": P, "R": R, "joints": joints}
     text = word_of({key: value for key, value in given.items() if value is not None})
     mark, catalog = Mark(file="dh2urdf.from_screws()"), load()
-    with as_file(text.encode(), "reader", _READER, catalog, "reader=NAME") as path:
-        return the_one(description_reader(catalog, path, mark, reader=_READER, given=words_of(options)), path)
+    with as_file(text.encode(), "reader", "screws", catalog, "reader=NAME") as path:
+        return the_one(description_reader(catalog, path, mark, reader="screws", given=words_of(options)), path)

@@ -19,8 +19,7 @@ from dh2urdf.source import Messages, Problem
 
 say = Messages(__file__)
 
-_SAME = 1e-9
-"""How far T(q) of the table may be from the robot's own [m, rad]."""
+_SAME = 1e-9  # how far T(q) of the table may be from the robot's own [m, rad]
 _NEEDED = ("a", "alpha", "d", "theta", "offset", "isrevolute", "isprismatic", "mdh")
 _POSES = (0.0, 0.7, -1.3)
 

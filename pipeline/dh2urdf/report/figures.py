@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from dh2urdf.kinematics.expected_poses import ExpectedPoses, Tip
     from dh2urdf.robot import Robot
 
-SAMPLES = 5000
-"""Joint vectors at which the workspace is looked at."""
+SAMPLES = 5000  # joint vectors at which the workspace is looked at
 FARTHEST_DRAWN = 1e9
 """How far from its root an arm may reach and be drawn [m]: beyond it is a mistake, and matplotlib's arithmetic ends."""
 _MOST_VALUES = 500_000  # joint values of such a sample: arms of more than a hundred axes get fewer vectors

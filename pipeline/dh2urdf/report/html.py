@@ -11,6 +11,7 @@ own policy lets it run no script but its own.
 
 from __future__ import annotations
 
+import json
 import math
 import tarfile
 from base64 import b64encode
@@ -44,8 +45,7 @@ if TYPE_CHECKING:
     from dh2urdf.results import ManipulatorEntry
     from dh2urdf.run_file.plan import Plan
 
-LARGEST_PICTURE = 4_000_000
-"""Pictures beyond are left out of the page [B]."""
+LARGEST_PICTURE = 4_000_000  # pictures beyond are left out of the page [B]
 _LARGE = 1e-2  # errors from here on have three digits [m or rad]
 
 
@@ -149,12 +149,8 @@ def _size(count: int) -> Markup:
 
 def _options(options: object) -> str:
     """The options of a stage, as YAML has them."""
-    words = {"None": "null", "True": "true", "False": "false"}
-    told = {
-        name: value if isinstance(value, str) else words.get(str(value), value)
-        for name, value in plain(options).items()
-    }
-    return ", ".join(f"{name}: {value}" for name, value in told.items())
+    values = {name: value if isinstance(value, str) else json.dumps(value) for name, value in plain(options).items()}
+    return ", ".join(f"{name}: {value}" for name, value in values.items())
 
 
 # --- What is shown in full --------------------------------------------------------------------------------------------
@@ -205,12 +201,10 @@ def _figures(detailed: dict[str, Any]) -> dict[str, Any] | None:
     extents = {tip: workspace.extent(tip) for tip in workspace.points}
     if not all(0.0 <= extent["distance"] < FARTHEST_DRAWN for extent in extents.values()):
         return None
-    arms, what = (
-        map(arm_skeleton, detailed["expected"].tips),
-        "the arm at zero joint values, with its joint axes and DH frames",
-    )
+    what = "the arm at zero joint values, with its joint axes and DH frames"
+    arm = skeleton_figure([arm_skeleton(tip) for tip in detailed["expected"].tips], what, f"{detailed['key']}-arm")
     return {
-        "arm": Markup(skeleton_figure([*arms], what, f"{detailed['key']}-arm")),  # noqa: S704 - drawn by matplotlib
+        "arm": Markup(arm),  # noqa: S704 - drawn by matplotlib
         "workspace": Markup(workspace.figure(f"{detailed['key']}-reach")),  # noqa: S704
         "extents": [(tip, ARMS[n % len(ARMS)], extent) for n, (tip, extent) in enumerate(extents.items())],
         "samples": len(next(iter(workspace.points.values()))),

@@ -40,19 +40,16 @@ reader that does not say what it read where, as most of plugins."""
 _OPTIONAL = tuple(name for name in NUMBERS if name not in {"a", "alpha", "d", "theta", "offset", "mass"})
 _STATED = ("geometry", "density", "base_mass", "base_geometry", "payload", "visuals", "collisions")
 HEAD = ("joint", "field", "value", "as typed", "read in", "place")
-MOST_ARMS = 40
-"""Manipulators of a table that are listed; the rest are counted."""
-WIDTH = 100
-"""Characters of a line on a terminal."""
+MOST_ARMS = 40  # manipulators of a table that are listed; the rest are counted
+WIDTH = 100  # characters of a line on a terminal
 _KINDS = {"turn_rate": "angular speed", "linear_damping": "linear damping"}
 """Kinds of quantities, as a sentence names them."""
 _CALLED = {"geometry": "shape of the links", "base_mass": "mass of the base", "base_geometry": "shape of the base"}
 _STATED_UNITS = {"density": "kg/m³", "base_mass": "kg", "com": "m"}
-_LONGEST = 11
-"""Characters of an angle as a multiple of pi; a longer one is a number of nine digits."""
-_MARK = "*"
-"""What is behind a value that the table does not say."""
+_LONGEST = 11  # characters of an angle as a multiple of pi; a longer one is a number of nine digits
+_MARK = "*"  # what is behind a value that the table does not say
 _MATRIX = "T(base_link → tool0) at q = 0:"
+Unsaid: TypeAlias = Literal["cell", "default", "computed", "read"]
 _Lines: TypeAlias = "tuple[list[str], list[tuple[list[str], bool]], list[str]]"
 """A table as text: its header; its rows, and whether the table says what is in each; and the lines below them."""
 
@@ -63,14 +60,12 @@ def unit_of(field: str, kind: JointType) -> str:
     return SI_UNITS.get(dimension, "") if dimension else ""
 
 
-def info_report(
-    source: str, arms: Sequence[BriefEntry], detail: Detail | None, exit_status: Literal[0, 1]
-) -> InfoReport:
+def info_report(source: str, arms: Sequence[BriefEntry], detail: Detail | None) -> InfoReport:
     """What `dh2urdf info --json` prints: all manipulators of a table in short, and the one that is meant in full."""
     return {
         "schema": SCHEMA,
         "version": __version__,
-        "exit_status": exit_status,
+        "exit_status": 1 if any(arm["errors"] for arm in (arms if detail is None else [detail])) else 0,
         "source": source,
         "manipulators": list(arms),
         "detail": detail,
@@ -123,10 +118,7 @@ def details(
                 "link": row.link,
                 "type": row.type.value,
                 "place": _place(row.mark),
-                "fields": [
-                    {**entry, "from": unsaid} if entry["from"] == DEFAULT else entry
-                    for entry in _fields(row, cells, joints.get(row.joint), masses.get(row.link))
-                ],
+                "fields": list(_fields(row, cells, joints.get(row.joint), masses.get(row.link), unsaid)),
             }
             for row, cells in zip(manipulator.rows, said, strict=True)
         ],
@@ -143,7 +135,9 @@ def details(
     }
 
 
-def _fields(row: DHRow, cells: Mapping[str, Said], joint: Joint | None, mass: float | None) -> Iterator[FieldEntry]:
+def _fields(
+    row: DHRow, cells: Mapping[str, Said], joint: Joint | None, mass: float | None, unsaid: Unsaid
+) -> Iterator[FieldEntry]:
     """Every field of a row that has a value, in the order of the page of tables."""
     values: dict[str, Any] = {"joint": row.joint, "link": row.link, "type": str(row.type)}
     values |= {name: getattr(row, name) for name in ("a", "alpha", "d", "theta")}
@@ -164,22 +158,21 @@ def _fields(row: DHRow, cells: Mapping[str, Said], joint: Joint | None, mass: fl
     values |= {name: getattr(row, name) for name in _OPTIONAL}
     for name, value in values.items():
         if value is not None:
-            yield _field(row, name, value, told.get(name))
+            yield _field(row, name, value, told.get(name), unsaid)
         elif filled.get(name) is not None:
-            yield {**_field(row, name, filled[name], None), "from": COMPUTED}
+            yield _field(row, name, filled[name], None, COMPUTED)
     for name in ("visual", "collision"):
         if (shape := getattr(row, name)) is not None:
-            field = _field(row, name, shape.file.path, cells.get(name))
-            yield {**field, "from": CELL, "place": _place(shape.mark)}
+            yield {**_field(row, name, shape.file.path, cells.get(name), CELL), "place": _place(shape.mark)}
 
 
-def _field(row: DHRow, name: str, value: float | str, said: Said | None) -> FieldEntry:
+def _field(row: DHRow, name: str, value: float | str, said: Said | None, unsaid: Unsaid) -> FieldEntry:
     unit = unit_of(name, row.type)
     return {
         "field": name,
         "value": value,
         "unit": unit,
-        "from": CELL if said else DEFAULT,
+        "from": CELL if said else unsaid,
         "typed": said.text if said else None,
         "read_in": said.unit or (unit if said.unit == "" else None) if said else None,
         "place": _place(said.mark) if said else None,

@@ -41,11 +41,9 @@ if TYPE_CHECKING:
     from dh2urdf.tasks.batch_report import BatchReport, Result
     from dh2urdf.variations.variation import VariationCall
 
-SCHEMA: Final = "dh2urdf-report/1"
-"""Name and version of the form of `report.json`."""
+SCHEMA: Final = "dh2urdf-report/1"  # name and version of the form of `report.json`
 INDEX, REPORT, TIMING, PAGE = "index.json", "report.json", "timing.json", "report.html"
-TABLE = "manifest.parquet"
-"""The manifest as a table."""
+TABLE = "manifest.parquet"  # the manifest as a table
 HOW_TO_GET = f"a page with pictures of it, report.html, needs jinja2 and matplotlib: {pip_install('dh2urdf[report]')}"
 """The message where the page cannot be written."""
 REPORTED = 1000
@@ -162,8 +160,7 @@ def write_timing(store: Store, result: Result) -> None:
     store.write(TIMING, to_text(told))
 
 
-MOST_INPUTS = 1000
-"""Input files that are hashed and listed; of a longer list the first ones."""
+MOST_INPUTS = 1000  # input files that are hashed and listed; of a longer list the first ones
 CITATION = (
     f"The dh2urdf authors, dh2urdf {__version__}: Denavit-Hartenberg tables as robot descriptions that are provably "
     "the same arm, software under the MIT licence, 2026"

@@ -20,10 +20,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.conversion.outcome import ManifestRow
 
-ROW_GROUP = 10_000
-"""Manipulators in a row group of the Parquet file: as many are in memory at once."""
-_PLAIN = ("name", "status", "kind", "source", "key", "keeps_kinematics")
-"""What a table has of a row as it is."""
+ROW_GROUP = 10_000  # manipulators in a row group of the Parquet file: as many are in memory at once
+_PLAIN = ("name", "status", "kind", "source", "key", "keeps_kinematics")  # what a table has of a row as it is
 _REPEATED = ["status", "kind", "source"]
 """Columns of few different texts; a dictionary of any other would be as long as the column."""
 

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import Manipulator
 
-MOST_ROWS = 200
-"""Rows of a table that are shown; a table is as high as fifteen of them, and scrolls."""
+MOST_ROWS = 200  # rows of a table that are shown; a table is as high as fifteen of them, and scrolls
 _LIMITS = ("lower [rad, m]", "upper [rad, m]")
 
 

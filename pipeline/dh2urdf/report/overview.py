@@ -20,12 +20,9 @@ if TYPE_CHECKING:
     from dh2urdf.results import ManipulatorEntry
     from dh2urdf.variations.laws import DrawnValue
 
-LISTED = 1000
-"""Manipulators that the table of all lists: failures first, then the first others."""
-SAMPLED = 20_000
-"""Manipulators at most whose drawn values are drawn as distributions."""
-MOST_DRAWN = 12
-"""Drawn fields that are columns of this table, or that are drawn as distributions."""
+LISTED = 1000  # manipulators that the table of all lists: failures first, then the first others
+SAMPLED = 20_000  # manipulators at most whose drawn values are drawn as distributions
+MOST_DRAWN = 12  # drawn fields that are columns of this table, or that are drawn as distributions
 _MOST_WORDS = 12  # different texts that one field may have, in a figure
 _BARS = 24  # of a distribution
 _LOWEST, _HIGHEST = -18, 2  # powers of ten between which errors are counted [m]; below is as good as 0
@@ -67,16 +64,13 @@ def checks(row: ManipulatorEntry) -> Iterator[Check]:
 class Errors:
     """The position errors that one emitter's files or one simulator had in a run."""
 
-    simulator: str = ""  # its name and version; empty of an emitter
     measured: int = 0  # how many manipulators were looked at
     largest: float = 0.0  # [m]
     counts: Counter[int] = field(default_factory=Counter)  # of errors, by their half powers of ten
 
-    def add(self, check: Check) -> None:
-        """Add what is known of one manipulator."""
-        if check.is_simulator and check.facts["verdict"] == "passed":
-            self.simulator = f"{check.facts['simulator']} {check.facts['version']}"
-        if (error := check.position_error) is not None:
+    def add(self, error: float | None) -> None:
+        """Add the error of one manipulator [m]; None where it was not measured."""
+        if error is not None:
             self.measured += 1
             self.largest = max(self.largest, error)
             power = math.floor(2.0 * math.log10(error)) if error > 0.0 else 2 * _LOWEST
@@ -113,9 +107,7 @@ class Overview:
             self.first.append(row)
         found = list(checks(row))
         for check in found:
-            errors = self.errors.setdefault(check.name, Errors())
-            if check.facts:
-                errors.add(check)
+            self.errors.setdefault(check.name, Errors()).add(check.position_error)
         if drawn := row["drawn"]:
             self.drawn += [key for key in drawn if key not in self.drawn][: MOST_DRAWN - len(self.drawn)]
             place = self.count - 1

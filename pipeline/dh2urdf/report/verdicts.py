@@ -24,8 +24,7 @@ _SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
 
 MAX_REASONS, MAX_NAMES = 100, 1000
 """Reasons of one kind of failure that the index tells apart, and names that it lists."""
-LONGEST_REASON = 300
-"""Characters of a reason; of a longer one the beginning counts."""
+LONGEST_REASON = 300  # characters of a reason; of a longer one the beginning counts
 
 _QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
 _NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-ACCEPTED_PARENT = "world, or a link of another arm of the cell, such as left/tool0"
-
 
 def read_cells(entries: Iterable[tuple[Node, str]], to: Reading) -> tuple[CellCall, ...]:
     """The cells, each in its node at its place."""
@@ -48,10 +46,9 @@ def _arm(given: ArmSection, node: Node) -> ArmCall:
     arm, slash, link = given.parent.partition("/")
     if given.parent != WORLD and not (arm and slash and link):
         holder = (arm or link).removesuffix("_tool0")  # as its link is called in the file that is written
+        accepted = "world, or a link of another arm of the cell, such as left/tool0"
         near = did_you_mean(given.parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
-        problems.append(
-            say("parent-wrong", field="parent", parent=given.parent, accepted=ACCEPTED_PARENT, suggestion=near)
-        )
+        problems.append(say("parent-wrong", field="parent", parent=given.parent, accepted=accepted, suggestion=near))
     if problems:
         raise ConfigError(problems)
     parent = node.entry("parent")
@@ -79,16 +76,13 @@ def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
     names = [arm.name for arm in arms]
     for arm in arms:
         if arm.parent is not None and arm.parent not in names:
-            yield say(
-                "parent-unknown",
-                arm.parent_mark,
-                field="arms",
-                found=f"{arm.parent}/{arm.link}",
-                parent=arm.parent,
-                arm=arm.name,
-                choices=[WORLD, *(f"{name}/LINK" for name in names if name != arm.name)],
-                suggestion=did_you_mean(arm.parent, names),
-            )
+            choices = [WORLD, *(f"{name}/LINK" for name in names if name != arm.name)]
+            about = {
+                "field": "arms",
+                "found": f"{arm.parent}/{arm.link}",
+                "suggestion": did_you_mean(arm.parent, names),
+            }
+            yield say("parent-unknown", arm.parent_mark, parent=arm.parent, arm=arm.name, choices=choices, **about)
 
 
 def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:

@@ -23,11 +23,12 @@ from dh2urdf.meshes.conversion import conversion_of
 from dh2urdf.meshes.files import RELATIVE, prefix_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import Form, Layout
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.plugin_system.validator import unknown_key
 from dh2urdf.run_file import sections as keys
 from dh2urdf.run_file.cell_section import read_cells
 from dh2urdf.run_file.mesh_section import MeshCall, read_meshes
-from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked, Reading, with_setting
+from dh2urdf.run_file.reading import Reading, with_setting
 from dh2urdf.run_file.sections import (
     DEFAULT_SAMPLE,
     DEFAULT_TIME_LIMIT,
@@ -47,10 +48,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-RUN_SUFFIXES = (".yaml", ".yml", ".json")
-"""How the names of run files end."""
-LIKELY_BYTES = 2**20
-"""Size of a file that may be a run file [B]: a table may be a thousand times larger."""
+RUN_SUFFIXES = (".yaml", ".yml", ".json")  # how the names of run files end
+LIKELY_BYTES = 2**20  # size of a file that may be a run file [B]: a table may be a thousand times larger
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,21 +131,21 @@ def refuse_table(path: Path, catalog: Catalog) -> None:
 
 
 def load_config(
-    path: Path, overrides: Sequence[str] = (), root: Node | None = None, asked: Asked = ON_THE_COMMAND_LINE
+    path: Path, overrides: Sequence[str] = (), root: Node | None = None, mark: Mark = COMMAND_LINE
 ) -> RunConfig:
     """A run file with changes from the command line, as ``--set`` takes them: ``transform.options.frames=dh``.
 
-    `root` is what the run file says, where it is not in the file, and `asked` where the changes are given.
+    `root` is what the run file says, where it is not in the file, and `mark` where the changes are given.
     `RunConfig.problems` says what is wrong with its structure; a ConfigError is raised for what is no run file.
     """
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
     if names and not any(get_close_matches(name, SECTIONS, cutoff=0.75) for name in names):
         raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=SECTIONS))
-    to = Reading(folder=path.parent, changes=asked.mark.file)
+    to = Reading(folder=path.parent, changes=mark.file)
     for setting in overrides:
         try:
-            root = with_setting(written_out(root), setting, tuple(SECTIONS), asked)
+            root = with_setting(written_out(root), setting, tuple(SECTIONS), mark)
         except ConfigError as error:
             to.problems.extend(error.problems)
     config = _config(written_out(root, deep=True), to)
@@ -209,20 +208,14 @@ def _input(node: Node, field: str, to: Reading) -> InputCall | None:
     options, calibration, path = (node.entry(key) for key in ("options", "calibration", "path"))
     if given is None or path is None:
         return None
-    found = to.files(path, f"{field}.path")
+    paths, notices, pattern = to.files(path, f"{field}.path")
     if calibration is not None and to.is_path(calibration, f"{field}.calibration"):
         others = expect_mapping(options, "options") if options else {}
         if "calibration" in others:
             to.note("calibration-twice", calibration, f"{field}.calibration")
         options = keys.mapping_node({**others, "calibration": calibration}, options or calibration)
-    return InputCall(
-        paths=found.paths,
-        stage=given.stage,
-        options=options,
-        mark=(node.entry("stage") or path).mark,
-        notices=found.notices,
-        pattern=found.pattern,
-    )
+    mark = (node.entry("stage") or path).mark
+    return InputCall(paths=paths, notices=notices, pattern=pattern, stage=given.stage, options=options, mark=mark)
 
 
 def _output(node: Node, to: Reading) -> OutputSection:

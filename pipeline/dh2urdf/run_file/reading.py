@@ -7,7 +7,7 @@ import os
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents.document import Node
 from dh2urdf.documents.text_files import check_file, is_folder, is_there, tidy_path
@@ -26,14 +26,6 @@ say = Messages(__file__)
 
 S = TypeVar("S")
 T = TypeVar("T")
-
-
-class FoundFiles(NamedTuple):
-    """Files, the findings about their pattern, and the pattern; None where a path names one file."""
-
-    paths: tuple[Path, ...] = ()
-    notices: tuple[Problem, ...] = ()
-    pattern: str | None = None
 
 
 class Reading:
@@ -112,11 +104,11 @@ class Reading:
             return None
         return node.text if "://" in node.text else tidy_path(self.folder_of(node) / node.text)
 
-    def files(self, node: Node, field: str) -> FoundFiles:
-        """The files of a path or pattern, in the order of their names."""
+    def files(self, node: Node, field: str) -> tuple[tuple[Path, ...], tuple[Problem, ...], str | None]:
+        """The files of a path or a pattern in the order of their names, the findings about it, and the pattern."""
         path, folder = node.text or "", self.folder_of(node)
         if not self.is_path(node, field):
-            return FoundFiles()
+            return (), (), None
         candidates, notices, pattern = [tidy_path(folder / path)], [], None
         if glob.has_magic(path) and not is_there(candidates[0]):
             candidates, pattern = [], path
@@ -135,34 +127,25 @@ class Reading:
                 if is_folder(file):
                     advice = f"name the tables in it, such as {os.path.join(path, '*.csv')}"  # noqa: PTH118 - as it is written
                 self.note("input-unreadable", node, field, file=file, reason=why.message, suggestion=advice)
-        return FoundFiles(tuple(files), tuple(notices), pattern)
+        return tuple(files), tuple(notices), pattern
 
 
 # --- Settings ---------------------------------------------------------------------------------------------------------
 
 
-MAX_KEYS = 16
-"""Names in the key of a setting."""
+MAX_KEYS = 16  # names in the key of a setting
 
 
-class Asked(NamedTuple):
-    """Where settings are given, for messages: the place, and what stands before a setting there."""
-
-    mark: Mark = COMMAND_LINE
-    before: str = "--set "
-
-
-ON_THE_COMMAND_LINE = Asked()
-
-
-def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked = ON_THE_COMMAND_LINE) -> Node:
+def with_setting(root: Node, setting: str, sections: Sequence[str], mark: Mark = COMMAND_LINE) -> Node:
     """A run file with a setting put in its place; the file's own nodes stay as they are.
 
     A setting is KEY=VALUE, where KEY is a path of names and of indices from 0, which begins with one of the sections.
+    `mark` is where it is given: the command line, or a function.
     """
 
     def error(code: str, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
-        return ConfigError(say(code, asked.mark, found=setting, setting=f"{asked.before}{shown(setting)}", **values))
+        told = f"{'--set' if mark == COMMAND_LINE else 'settings:'} {shown(setting)}"
+        return ConfigError(say(code, mark, found=setting, setting=told, **values))
 
     def put(node: Node, keys: Sequence[str], value: Node) -> Node:
         """A copy of a node with a value put in its place; mappings on the way there are made."""
@@ -178,7 +161,7 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
         if node.value is not None and not isinstance(node.value, dict):
             raise error("setting-leads-nowhere", key=key, kind=node.describe())
         mapping = dict(node.value or {})
-        mapping[key] = put(mapping.get(key, Node(None, asked.mark.file, 0, 0)), rest, value)
+        mapping[key] = put(mapping.get(key, Node(None, mark.file, 0, 0)), rest, value)
         return replace(node, value=mapping)
 
     key, equals, word = setting.partition("=")
@@ -189,6 +172,6 @@ def with_setting(root: Node, setting: str, sections: Sequence[str], asked: Asked
         near = did_you_mean(keys[0], sections)
         raise error("setting-section-unknown", key=keys[0], sections=sections, suggestion=near)
     word = word.strip()
-    if broken := broken_structure(word, asked.mark.file):
+    if broken := broken_structure(word, mark.file):
         raise error("setting-unreadable", reason=broken)
-    return put(root, keys, word_node(word, asked.mark.file))
+    return put(root, keys, word_node(word, mark.file))

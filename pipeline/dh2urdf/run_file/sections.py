@@ -26,19 +26,14 @@ from dh2urdf.variations.variation import AXES, FIELDS
 
 DEFAULT_SAMPLE = Sample(first=1000, every=50)
 """What goes through xacro expansion and simulators: all of a run of up to 1,000, of a longer one a sample."""
-DEFAULT_TIME_LIMIT = 300.0
-"""How long one manipulator may take, simulators aside [s]."""
-MOST = 10**9
-"""Largest whole number of a setting that counts manipulators."""
-MAX_POSES = 1_000_000
-"""Random joint vectors of one proof."""
-MOST_VALUES = 10**4
-"""Values of one evenly spaced grid: every chunk of tasks carries them."""
+DEFAULT_TIME_LIMIT = 300.0  # how long one manipulator may take, simulators aside [s]
+MOST = 10**9  # largest whole number of a setting that counts manipulators
+MAX_POSES = 1_000_000  # random joint vectors of one proof
+MOST_VALUES = 10**4  # values of one evenly spaced grid: every chunk of tasks carries them
 MOST_SEED = 2**64
 NUMBER: dict[str, Any] = {"type": ["number", "string"], "minLength": 1}
 """The JSON Schema of a number, or of the text of an expression."""
 PAIR = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
-VALUES = {"type": "array", "items": NUMBER, "minItems": 1}
 _JOINT = {"type": ["integer", "string"], "minimum": 1, "minLength": 1}
 _JOINTS = {"anyOf": [_JOINT, {"type": "array", "items": _JOINT, "minItems": 1}]}
 
@@ -62,6 +57,7 @@ Options: TypeAlias = Annotated[dict[str, Any], Words("a mapping such as {frames:
 AnyNumber: TypeAlias = Annotated[Any, Words("a number"), WithJsonSchema(NUMBER)]
 """A number in the unit of the field that varies, which is not known here."""
 Pair: TypeAlias = Annotated[Any, Words("a range: [LOW, HIGH]"), WithJsonSchema(PAIR)]
+Values: TypeAlias = Annotated[Any, WithJsonSchema({"type": "array", "items": NUMBER, "minItems": 1})]
 if TYPE_CHECKING:
     Varied: TypeAlias = str
 else:
@@ -200,8 +196,8 @@ class RuleSection:
         "of which joints: all, numbers from 1, or names; the number of axes has none", None
     )
     field: Varied = key("what varies")
-    choices: Annotated[Any, WithJsonSchema(VALUES)] = key("one of these, all equally likely", None)
-    grid: Annotated[Any, WithJsonSchema(VALUES)] = key("each of these, with each of all other grids", None)
+    choices: Values = key("one of these, all equally likely", None)
+    grid: Values = key("each of these, with each of all other grids", None)
     uniform: Pair = key("any value of this range", None)
     log_uniform: Annotated[Pair, Field(alias="log-uniform")] = key(
         "any value of this range, all orders of magnitude equally likely", None
@@ -213,8 +209,7 @@ class RuleSection:
     offset: Pair = key("the nominal value plus a number of this range", None)
 
 
-LAWS = ("choices", "grid", "uniform", "log-uniform", "normal", "scale", "offset")
-"""How values are drawn."""
+LAWS = ("choices", "grid", "uniform", "log-uniform", "normal", "scale", "offset")  # how values are drawn
 RULE_ALSO: dict[str, Any] = {
     "oneOf": [{"required": [law]} for law in LAWS],
     "if": {"properties": {"field": {"const": AXES}}, "required": ["field"]},
@@ -335,8 +330,7 @@ SHORT_FORMS: dict[type[Any], str] = {
     OutputKeys: "directory",
 }
 """The key that a text alone is the value of."""
-SECTIONS = keys_of(RunFile)
-"""The keys of a run file."""
+SECTIONS = keys_of(RunFile)  # the keys of a run file
 
 
 def written_out(root: Node, *, deep: bool = False) -> Node:
@@ -347,10 +341,9 @@ def written_out(root: Node, *, deep: bool = False) -> Node:
     """
     given = {key: node for key, node in expect_mapping(root, "a run file").items() if node.value is not None}
     for name, section in SECTIONS.items():
-        is_list = get_origin(members(section.hint)[0]) is tuple
-        default = (
-            Node([], root.file, root.line, root.column) if is_list and name != "emitters" else mapping_node({}, root)
-        )
+        default = mapping_node({}, root)
+        if get_origin(members(section.hint)[0]) is tuple and name != "emitters":
+            default = Node([], root.file, root.line, root.column)
         given[name] = long_form(given.get(name, default), section.hint, deep)
     return mapping_node(given, root)
 

@@ -23,6 +23,7 @@ from dh2urdf.output.layouts import Form
 from dh2urdf.output.store import WORKING, LocalStore, Store
 from dh2urdf.output.whole_files import reporting_the_disk
 from dh2urdf.plugin_system.calls import Call, a_record, depending_on, fault, items_of, own_work
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.report.manifest import (
     FULL,
@@ -42,7 +43,6 @@ from dh2urdf.report.manifest import (
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.run_file.config import load_config, refuse_table
 from dh2urdf.run_file.plan import Plan, make_plan
-from dh2urdf.run_file.reading import ON_THE_COMMAND_LINE, Asked
 from dh2urdf.running.batch_work import BatchWorker, Depth
 from dh2urdf.source import Messages, printable
 from dh2urdf.stages import Executor, Lost
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.results import RunReport
     from dh2urdf.run_file.plan import Plan
+    from dh2urdf.source import Mark
 
 say = Messages(__file__)
 
@@ -71,7 +72,7 @@ def load_plan(
     output: str | None = None,
     root: Node | None = None,
     *,
-    asked: Asked = ON_THE_COMMAND_LINE,
+    mark: Mark = COMMAND_LINE,
 ) -> Plan:
     """The plan of a run file.
 
@@ -81,7 +82,7 @@ def load_plan(
         overrides: changes as ``--set`` takes them: ``transform.options.frames=dh``.
         output: where the output goes, if not where the run file says: a folder or an address.
         root: what the run file says, where it is not in the file.
-        asked: where the changes are given.
+        mark: where the changes are given.
 
     Raises:
         ConfigError: something in the run file is wrong; all problems are reported at once.
@@ -89,7 +90,7 @@ def load_plan(
         PluginError: the run needs a plugin that is broken, or a package that is not installed.
     """
     try:
-        config = load_config(path, overrides, root, asked)
+        config = load_config(path, overrides, root, mark)
     except ConfigError:
         if root is None:
             refuse_table(path, catalog)

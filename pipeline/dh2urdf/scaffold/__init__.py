@@ -42,8 +42,7 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 TEMPLATES = Path(__file__).with_name("templates")
-LONGEST = 40
-"""Characters of a name: it is that of a folder, a distribution, a package and a stage."""
+LONGEST = 40  # characters of a name: it is that of a folder, a distribution, a package and a stage
 _ENDING = ".template"
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
@@ -125,8 +124,7 @@ def _problems(name: str, kind: Kind, place: Path, catalog: Catalog) -> Iterator[
 # --- Tables -----------------------------------------------------------------------------------------------------------
 
 
-MOST_AXES = 100
-"""Joints of a template at most."""
+MOST_AXES = 100  # joints of a template at most
 _PRODUCTS = {
     Convention.STANDARD: "standard (classic, distal): a row is Rz(theta) Tz(d) Tx(a) Rx(alpha)",
     Convention.MODIFIED: "modified (Craig, proximal): a row is Rx(alpha) Tx(a) Rz(theta) Tz(d)",

@@ -22,19 +22,13 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.testing.catalogs import catalog_of as catalog_of, do_run as do_run
     from dh2urdf.testing.reader_contract import ReaderContract as ReaderContract
-    from dh2urdf.testing.reference import (
-        plain_robot as plain_robot,
-        reference_manipulators as reference_manipulators,
-    )
+    from dh2urdf.testing.reference import plain_robot as plain_robot, reference_manipulators as reference_manipulators
     from dh2urdf.testing.robot_contracts import (
         EditContract as EditContract,
         EmitterContract as EmitterContract,
         TransformContract as TransformContract,
     )
-    from dh2urdf.testing.worker_contracts import (
-        ExecutorContract as ExecutorContract,
-        LoaderContract as LoaderContract,
-    )
+    from dh2urdf.testing.worker_contracts import ExecutorContract as ExecutorContract, LoaderContract as LoaderContract
 else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,

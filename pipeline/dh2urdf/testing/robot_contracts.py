@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 
 POSES = 16
 """Random joint vectors of a comparison, besides zero and both ends of the limits."""
-_FACTORS = (1.0, 1.1, 4 / 3)
 _AWKWARD = ("a<b&c>\"d'e", "--> ]]>", "${x} $(find y)", "{{ z }} {% w %}", "名前", "two words", "007", "%s\\n", "#;,|")
 """Names that the pipeline lets pass, and that mean something to one format or another."""
 _UNREADABLE = (b"", b"\xff\xfe\x00 no text", b"<a><b></a>", b"[1, 2")
@@ -112,7 +111,7 @@ class TransformContract(_ArmContract):
         if not (its := self.stage.can(TransformsInColumns)):
             return
         for manipulator in self.arms():
-            ((_, columns),) = in_columns([stretched(manipulator, factor) for factor in _FACTORS])
+            ((_, columns),) = in_columns(stretched(manipulator))
             for places, robots in its.transform_columns(columns, self.given()) or ():
                 for number, place in enumerate(places):
                     alone = self.stage.transform(columns.pick(place), self.given())
@@ -165,16 +164,15 @@ class EditContract(_ArmContract):
     def test_many_at_once_are_the_same(self) -> Found:
         """Where it accepts columns, it makes of many arms at once, to the last bit, what it makes of each alone."""
         for manipulator in self.arms() if self.stage.can(EditsInColumns) else ():
-            for function, arms in self._work([stretched(manipulator, factor) for factor in _FACTORS]):
+            for function, arms in self._work(stretched(manipulator)):
                 try:
                     many = function(stacked(arms), self.given())
                 except DividedError:
                     continue  # The run makes groups of them that go the same way.
                 for number, arm in enumerate(arms):
                     alone = function(arm, self.given())
-                    if differs := difference(
-                        replace_unchecked(member(many, number), name=alone.name), alone, whole=False
-                    ):
+                    one = replace_unchecked(member(many, number), name=alone.name)
+                    if differs := difference(one, alone, whole=False):
                         yield differs
 
     def _work(self, arms: Sequence[Manipulator]) -> Iterator[tuple[Callable[[Any, Any], Any], list[Any]]]:
@@ -210,12 +208,12 @@ class EmitterContract(InputContract):
         broken = [folder / f"broken_{number}{(*self.stage.suffixes, '')[0]}" for number in range(len(_UNREADABLE))]
         for path, content in zip(broken, _UNREADABLE, strict=True):
             path.write_bytes(content)
-        back, foreign, checks = self.stage.can(ReadsBack), self.stage.can(ReadsForeign), self.stage.can(Checks)
-        if back:
+        if back := self.stage.can(ReadsBack):
             yield Calls(back.read_back, (), [], broken, (Dh2UrdfError,))
-        for function in (foreign and foreign.read_foreign, checks and checks.check):
-            if function:
-                yield Calls(function, (Expansion(),), [], broken, (Dh2UrdfError,))
+        if foreign := self.stage.can(ReadsForeign):
+            yield Calls(foreign.read_foreign, (Expansion(),), [], broken, (Dh2UrdfError,))
+        if checks := self.stage.can(Checks):
+            yield Calls(checks.check, (Expansion(),), [], broken, (Dh2UrdfError,))
 
     @clause
     def test_files_have_plain_names_and_content(self) -> Found:
@@ -327,9 +325,8 @@ def _write(folder: Path, files: Sequence[EmittedFile]) -> Path:
 
 
 def _broken_rules(robot: Robot) -> Found:
-    for problem in check_robot(robot):
-        if problem.severity == "error":
-            yield f"of the arm {robot.name!r}: {problem}"
+    errors = (problem for problem in check_robot(robot) if problem.severity == "error")
+    yield from (f"of the arm {robot.name!r}: {problem}" for problem in errors)
 
 
 def _off(table: Manipulator, robot: Robot, poses: Sequence[Sequence[float]]) -> Found:
@@ -346,10 +343,13 @@ def _apart(robot: Robot, q: Sequence[float], both: tuple[Matrix, Matrix], allowe
         yield f"tool0 of {robot.name!r} is off by {distance:.3g} m and {angle:.3g} rad at q = {q}"
 
 
-def stretched(manipulator: Manipulator, factor: float) -> Manipulator:
-    """An arm of another size."""
-    rows = tuple(replace(row, a=row.a * factor, d=row.d * factor) for row in manipulator.rows)
-    return replace(manipulator, name=f"{manipulator.name}_{factor:.3g}", rows=rows)
+def stretched(manipulator: Manipulator) -> list[Manipulator]:
+    """The same arm in three sizes."""
+    found = []
+    for factor in (1.0, 1.1, 4 / 3):
+        rows = tuple(replace(row, a=row.a * factor, d=row.d * factor) for row in manipulator.rows)
+        found.append(replace(manipulator, name=f"{manipulator.name}_{factor:.3g}", rows=rows))
+    return found
 
 
 def impossible() -> Iterator[Manipulator]:

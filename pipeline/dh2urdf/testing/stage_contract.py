@@ -69,7 +69,9 @@ def clause(check: Callable[..., Found]) -> Callable[..., None]:
         kinds = (kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
         named = f"{next(kinds, type(self.stage).__name__)} {getattr(self.stage, 'name', '?')!r}"
         sentence = (inspect.getdoc(check) or "").partition("\n")[0]
-        accepted, remedy = advice(check)
+        table = tomllib.loads(files("dh2urdf.testing").joinpath("clauses.toml").read_text("utf-8"))
+        contract, _, name = check.__qualname__.partition(".")
+        accepted, remedy = table[contract][name]
         found = (found if len(found) <= _SHOWN else f"{found[:_SHOWN]} …").replace("\n", "\n        ")
         raise pytest.fail.Exception(
             f"{named} breaks the contract, clause {check.__name__}: {sentence}\n"
@@ -78,14 +80,6 @@ def clause(check: Callable[..., Found]) -> Callable[..., None]:
         ) from None
 
     return test
-
-
-def advice(check: Callable[..., Any]) -> tuple[str, str]:
-    """What a clause accepts, and what to do where it is broken."""
-    table = tomllib.loads(files("dh2urdf.testing").joinpath("clauses.toml").read_text("utf-8"))
-    contract, _, name = check.__qualname__.partition(".")
-    accepted, remedy = table[contract][name]
-    return accepted, remedy
 
 
 class StageContract:

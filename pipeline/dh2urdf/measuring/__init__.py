@@ -29,11 +29,9 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-DOUBLE_PRECISION = 2.0**-52
-"""Distance of 1 to the next number in double precision."""
+DOUBLE_PRECISION = 2.0**-52  # distance of 1 to the next number in double precision
 _ROWS = 4
-_WITHOUT_EXTENT = 1e-12
-"""What a pose of an arm without extent is allowed, and a centre of mass in the origin [m]."""
+_WITHOUT_EXTENT = 1e-12  # what a pose of an arm without extent is allowed, and a centre of mass in the origin [m]
 
 
 class Body(NamedTuple):
@@ -47,25 +45,17 @@ class Body(NamedTuple):
 class Precision(NamedTuple):
     """A simulator's arithmetic: what its answers may differ from what was written.
 
-    Attributes:
-        number: a limit, a mass or a centre of mass, as a share of it.
-        axis: the axis of a joint, which many simulators make a unit vector again.
-        inertia: an element of an inertia, as a share of the trace.
-        position: a position, as a share of the arm's reach.
-        angle: an orientation [rad].
-        name: in words.
-        com: besides, a centre of mass, where the simulator has it in the world frame [m].
-        inertia_about_origin: besides, an element of an inertia as a share of that of the mass at its centre about the
-            link's origin, where the simulator holds the inertia about that.
+    An inertia may differ by a share of the trace, and besides, where the simulator holds it about the link's origin, by
+    a share of that of the mass at its centre about this origin.
     """
 
-    number: float
-    axis: float
+    number: float  # a limit, a mass or a centre of mass, as a share of it
+    axis: float  # the axis of a joint, which many simulators make a unit vector again
     inertia: float
-    position: float
-    angle: float
-    name: str
-    com: float = 0.0
+    position: float  # as a share of the arm's reach
+    angle: float  # an orientation [rad]
+    name: str  # in words
+    com: float = 0.0  # besides, a centre of mass, where the simulator has it in the world frame [m]
     inertia_about_origin: float = 0.0
 
 
@@ -298,13 +288,10 @@ def load_opened(
 
 def _plain(joint: Mapping[str, Any]) -> dict[str, Any]:
     """A joint with plain numbers, which a report can keep; what nobody compares is left as it is."""
-    found = dict(joint)
-    for name, value in joint.items():
-        if name == "axis":
-            found[name] = tuple(float(number) + 0.0 for number in value)
-        elif name in ("lower", "upper", "velocity", "effort") and value is not None:
-            found[name] = float(value)
-    return found
+    found, numbers = dict(joint), ("lower", "upper", "velocity", "effort")
+    if "axis" in joint:
+        found["axis"] = tuple(float(number) + 0.0 for number in joint["axis"])
+    return found | {name: float(joint[name]) for name in numbers if joint.get(name) is not None}
 
 
 def _transform(matrix: Any, link: str) -> RigidTransform:  # noqa: ANN401 - an array, or lists

@@ -21,13 +21,10 @@ say = Messages(__file__)
 
 
 FILE, PACKAGE = "file://", "package://"
-DEEPEST = 4
-"""How many folders below the one that a user names a package may be."""
-_DRIVE = re.compile(r"^/?(?=[A-Za-z]:[\\/])")
-"""Before a drive of Windows: a slash in an address, nothing in a path."""
+DEEPEST = 4  # how many folders below the one that a user names a package may be
+_DRIVE = re.compile(r"^/?(?=[A-Za-z]:[\\/])")  # before a drive of Windows: a slash in an address, nothing in a path
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
-_LARGEST_MANIFEST = 2**26
-"""Size of a package.xml that is read [B]."""
+_LARGEST_MANIFEST = 2**26  # size of a package.xml that is read [B]
 
 
 def file_address(path: str) -> str:

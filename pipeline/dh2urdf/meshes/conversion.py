@@ -31,8 +31,7 @@ ACCEPTED = (
     f"{MeshConversion.HULL}: besides, what touches is the convex hull; {MeshConversion.DECOMPOSITION}: besides, what "
     "touches are convex parts"
 )
-LARGEST = 2**28
-"""The largest file that is converted [B]."""
+LARGEST = 2**28  # the largest file that is converted [B]
 SECONDS = {MeshConversion.AUTO: 60.0, MeshConversion.HULL: 60.0, MeshConversion.DECOMPOSITION: 900.0}
 """How long the conversion of one mesh may take [s]."""
 

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-FOLDER = "meshes"
-"""The folder of the output that holds copies of meshes."""
+FOLDER = "meshes"  # the folder of the output that holds copies of meshes
 RELATIVE, FILE = "relative", "file"
 ACCEPTED = (
     f"{RELATIVE}: copies, named by their path from the description; {FILE}: no copies, but file:// and the path of "
@@ -38,8 +37,7 @@ ACCEPTED = (
 )
 REMEDY = "have it converted: `output: {meshes: {convert: auto}}`"
 """The end of a notice's suggestion, where a conversion leaves nothing to notice."""
-_DIGITS = 8
-"""Hexadecimal digits of a content's hash in the name of its copy."""
+_DIGITS = 8  # hexadecimal digits of a content's hash in the name of its copy
 _PACKAGE = r"package://[A-Za-z0-9][A-Za-z0-9._-]*(/[A-Za-z0-9][A-Za-z0-9._-]*)*/?"
 
 

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 CONCAVITY = 0.05
 """Concavity of a part at which CoACD stops cutting: its `threshold`, over half of the mesh's longest edge."""
-COVER = 0.05
-"""How far parts of a decomposition may stand off from the mesh, over its longest edge."""
+COVER = 0.05  # how far parts of a decomposition may stand off from the mesh, over its longest edge
 
 _ROUNDING = 1e-9  # of places over the longest edge
 _CLOSE = 1e-7  # of points to the planes of a hull, over the longest edge: Qhull's own precision

@@ -24,8 +24,7 @@ from dh2urdf.rotations import IDENTITY_ROTATION, RigidTransform
 if TYPE_CHECKING:
     from dh2urdf.meshes.addresses import NamedFiles
 
-FORMATS = (".stl", ".obj", ".dae")
-"""How the names of mesh files end that can be read."""
+FORMATS = (".stl", ".obj", ".dae")  # how the names of mesh files end that can be read
 
 _NEGLIGIBLE = 1e-12  # over the size of a body or the trace of its inertia
 _TO_Z_UP = {"X_UP": ((0, -1, 0), (0, 0, -1), (1, 0, 0)), "Y_UP": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
@@ -42,30 +41,21 @@ class Asset(NamedTuple):
 class Texture(NamedTuple):
     """A picture on triangles.
 
-    Attributes:
-        uv: where the corners of the triangles are in the picture, of shape (3 M, 2): (0, 0) is its lower left corner,
-            and (1, 1) its upper right one. Beyond these the picture repeats.
-        image: the picture as a Pillow image.
+    The corners of the triangles are in the picture at `uv`, of shape (3 M, 2): (0, 0) is its lower left corner, and
+    (1, 1) its upper right one. Beyond these the picture repeats.
     """
 
     uv: Any
-    image: Any
+    image: Any  # a Pillow image
 
 
 class Part(NamedTuple):
-    """The triangles of one colour or texture.
+    """The triangles of one colour or texture; where they have both, the texture is multiplied by the colour."""
 
-    Attributes:
-        vertices: [m], of shape (N, 3).
-        faces: numbers of vertices, of shape (M, 3), anticlockwise as seen from outside.
-        rgba: red, green, blue and alpha in 0..1; None where the file gives no colour. A texture is multiplied by it.
-        texture: the picture on the triangles; None without one, or where the files that a mesh names are not read.
-    """
-
-    vertices: Any
-    faces: Any
-    rgba: tuple[float, float, float, float] | None
-    texture: Texture | None = None
+    vertices: Any  # [m], of shape (N, 3)
+    faces: Any  # numbers of vertices, of shape (M, 3), anticlockwise as seen from outside
+    rgba: tuple[float, float, float, float] | None  # in 0..1; None where the file gives no colour
+    texture: Texture | None = None  # none, too, where the files that a mesh names are not read
 
 
 # --- Files ------------------------------------------------------------------------------------------------------------

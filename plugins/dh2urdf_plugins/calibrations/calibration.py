@@ -32,8 +32,7 @@ say = Messages(__file__)
 
 FIELDS = {"a": "m", "alpha": "rad", "d": "m", "theta": "rad", "offset": ""}
 """The numbers of a row that a calibration changes, and their units; that of offset is that of the joint variable."""
-FAR = 0.1
-"""How far a calibration moves the tip of an arm at most, as a part of the arm's reach."""
+FAR = 0.1  # how far a calibration moves the tip of an arm at most, as a part of the arm's reach
 _VECTORS = 32
 
 
@@ -93,8 +92,7 @@ class Calibration(NamedTuple):
 
 LISTS = {"delta_a": "a", "delta_alpha": "alpha", "delta_d": "d", "delta_theta": "theta"}
 """The lists that are read, and the numbers of a row that they belong to."""
-LARGEST_CALIBRATION = 2**20
-"""Size of the largest file that is read [B]: a real one has 2 kB."""
+LARGEST_CALIBRATION = 2**20  # size of the largest file that is read [B]: a real one has 2 kB
 _LINEARISED = "2"
 _EXAMPLE = "[0.0001, -0.2, 0, 0, 0, 0]"
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-TRIALS = 10_000
-"""Random states in which a pair that is `Never` does not touch; MoveIt's setup assistant tries as many."""
+TRIALS = 10_000  # random states in which a pair that is `Never` does not touch; MoveIt's setup assistant tries as many
 MOST_TRIALS = 10_000_000
-MIN_DISTANCE = 0.01
-"""How near a pair that is `Never` does not come in these states [m]."""
+MIN_DISTANCE = 0.01  # how near a pair that is `Never` does not come in these states [m]
 FARTHEST = 1.0
 
 

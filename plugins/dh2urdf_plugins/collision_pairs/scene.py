@@ -124,8 +124,7 @@ def _anyhow_turned(random: Random) -> Quaternion:
     return small * math.sin(first), small * math.cos(first), large * math.sin(second), large * math.cos(second)
 
 
-Pair = tuple[str, str]
-"""Two links, the first in the order of their names."""
+Pair = tuple[str, str]  # two links, the first in the order of their names
 
 
 def pair_of(one: str, other: str) -> Pair:
@@ -185,29 +184,27 @@ class Scene:
 
     def _place_links(self) -> None:
         """Adds the moving joints to the model; a link behind fixed ones is placed on the joint that carries it."""
-        joints = self._mechanism.from_root()
+        import numpy as np
+
+        pinocchio, joints = self._pinocchio, self._mechanism.from_root()
         held = {joint.child for joint in joints}
         root = next(link.name for link in self._mechanism.robot.links if link.name not in held)
-        self._carriers = {root: (0, self._pinocchio.SE3.Identity())}
+        self._carriers = {root: (0, pinocchio.SE3.Identity())}
         for joint in joints:
             number, placement = self._carriers[joint.parent]
             placement = placement * self._transform(joint.origin)
             if self._mechanism.moves(joint):
-                number = self._model.addJoint(number, self._kind(joint), placement, joint.name)
-                placement = self._pinocchio.SE3.Identity()
+                loose = self._mechanism.loose.get(joint.name)
+                if loose == FLOATING:
+                    model = pinocchio.JointModelSpherical()
+                elif loose == PLANAR:
+                    model = pinocchio.JointModelRevoluteUnaligned(np.array((0.0, 0.0, 1.0)))
+                else:
+                    kind = "Prismatic" if joint.type is JointType.PRISMATIC else "Revolute"
+                    model = getattr(pinocchio, f"JointModel{kind}Unaligned")(np.array(joint.axis) / norm(joint.axis))
+                number, placement = self._model.addJoint(number, model, placement, joint.name), pinocchio.SE3.Identity()
                 self._joints[joint.name] = number
             self._carriers[joint.child] = (number, placement)
-
-    def _kind(self, joint: Joint) -> Any:  # noqa: ANN401 - pinocchio has no types
-        import numpy as np
-
-        loose = self._mechanism.loose.get(joint.name)
-        if loose == FLOATING:
-            return self._pinocchio.JointModelSpherical()
-        axis = np.array((0.0, 0.0, 1.0) if loose == PLANAR else joint.axis) / (1.0 if loose else norm(joint.axis))
-        slides = joint.type is JointType.PRISMATIC
-        kind = "JointModelPrismaticUnaligned" if slides else "JointModelRevoluteUnaligned"
-        return getattr(self._pinocchio, kind)(axis)
 
     def _transform(self, origin: Origin) -> Any:  # noqa: ANN401 - as above
         import numpy as np

@@ -34,10 +34,8 @@ if TYPE_CHECKING:
 
 Reason: TypeAlias = Literal["Adjacent", "Default", "Always", "Never"]
 REASONS: tuple[Reason, ...] = get_args(Reason)
-ROUND = 200
-"""Random states of one round of the search for pairs that always touch."""
-ALWAYS = 190
-"""A pair that touches in more of them always touches: 95 %."""
+ROUND = 200  # random states of one round of the search for pairs that always touch
+ALWAYS = 190  # a pair that touches in more of them always touches: 95 %
 
 
 class DisabledPair(NamedTuple):

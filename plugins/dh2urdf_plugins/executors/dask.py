@@ -29,12 +29,9 @@ say = Messages(__file__)
 
 AHEAD_OF_THREADS = 3
 """Tasks per thread of the cluster that wait or are under way: the next one is there before the last result has left."""
-CONNECTING = 5.0
-"""How long a scheduler may take to answer [s]."""
-WORKERS_WITHIN = 300.0
-"""How long a run waits for workers where there are none [s]: a queue may have to start others."""
-KILLS = 1
-"""Workers of an own cluster that may die at a task and it is still given to another one."""
+CONNECTING = 5.0  # how long a scheduler may take to answer [s]
+WORKERS_WITHIN = 300.0  # how long a run waits for workers where there are none [s]: a queue may have to start others
+KILLS = 1  # workers of an own cluster that may die at a task and it is still given to another one
 
 _HUSH = "import os\nfor number in (1, 2): os.dup2(os.open(os.devnull, os.O_WRONLY), number)\n"
 """Nobody sees what workers print, and it must not fill a pipe."""
@@ -61,8 +58,7 @@ class DaskOptions:
         metadata={"help": "address of a Dask scheduler, such as tcp://host:8786; none: a cluster on this machine"},
     )
     workers: Literal["auto"] | int = field(
-        default="auto",
-        metadata={"help": "processes of the cluster on this machine; auto takes one per processor"},
+        default="auto", metadata={"help": "processes of the cluster on this machine; auto takes one per processor"}
     )
 
     def __post_init__(self) -> None:
@@ -247,8 +243,7 @@ def _others(address: str, ours: dict[str, str], theirs: dict[str, str]) -> Itera
             yield say(code, address=address, name=name, version=version, theirs=theirs.get(name))
 
 
-_ONE_AT_A_TIME = threading.Lock()
-"""A worker may have several threads; stages need not bear others beside them."""
+_ONE_AT_A_TIME = threading.Lock()  # a worker may have several threads; stages need not bear others beside them
 
 
 def _do(function: Callable[[Any], Any], ours: dict[str, str], task: Any) -> Any:  # noqa: ANN401 - the caller's

@@ -30,12 +30,9 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-MOST_PRINTED = 100
-"""Lines of what C code and other programs print during a task that are passed on."""
-AHEAD = 4
-"""Tasks per process that wait or are under way, so that the tasks of a long run are never all held."""
-TRIES = 2
-"""Workers that a task may cost before it is lost: the first may have been killed for the sake of others."""
+MOST_PRINTED = 100  # lines of what C code and other programs print during a task that are passed on
+AHEAD = 4  # tasks per process that wait or are under way, so that the tasks of a long run are never all held
+TRIES = 2  # workers that a task may cost before it is lost: the first may have been killed for the sake of others
 _CLEARING_UP = 0.6  # [s] for workers to take away what they were writing
 _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
 
@@ -204,9 +201,5 @@ def _work(task: Any) -> Any:  # noqa: ANN401 - task and result are the caller's
 
 
 EXECUTOR = Executor(
-    name="local",
-    summary="processes of this machine",
-    options=LocalOptions,
-    map=map_locally,
-    capabilities=(Usual(),),
+    name="local", summary="processes of this machine", options=LocalOptions, map=map_locally, capabilities=(Usual(),)
 )

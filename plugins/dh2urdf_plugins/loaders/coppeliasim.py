@@ -74,14 +74,10 @@ _PRECISION = Precision(
     com=1e-9,
     name="Euler angles, by which the importer places all objects: near their singular angle half the digits are lost",
 )
-_MASSLESS = 1e-3
-"""What a link without mass may weigh [kg]: the importer's shapes for such links weigh 1e-5."""
-_STOPS_WITHIN = 30.0
-"""How long CoppeliaSim may take to stop a simulation [s]."""
-ANSWERS_WITHIN = 5.0
-"""How long a CoppeliaSim may take to answer at all [s]; its client would wait for ever."""
-_AGAIN = 0.02
-"""How long to wait between two looks at whether CoppeliaSim is free [s]."""
+_MASSLESS = 1e-3  # what a link without mass may weigh [kg]: the importer's shapes for such links weigh 1e-5
+_STOPS_WITHIN = 30.0  # how long CoppeliaSim may take to stop a simulation [s]
+ANSWERS_WITHIN = 5.0  # how long a CoppeliaSim may take to answer at all [s]; its client would wait for ever
+_AGAIN = 0.02  # how long to wait between two looks at whether CoppeliaSim is free [s]
 REMEDY = (
     "start one without a window, in its folder, by ./coppeliaSim.sh -H (with -GzmqRemoteApi.rpcPort=N for another "
     "port), or say in the loader's options `host` and `port` where it runs"
@@ -316,16 +312,12 @@ class Arm(measures.Model):
         kind = self.ask(sim.getJointType, handle)
         cyclic, (lower, extent) = self.ask(sim.getJointInterval, handle)
         upper = lower + extent
-        return {
-            "name": name,
-            "type": "continuous" if cyclic else names.get(kind, f"number {kind}"),
-            "axis": self._axis(handle, child),
-            "lower": None if cyclic else lower,
-            # It holds the range: an upper limit of 0 comes back with a rounding.
-            "upper": None if cyclic else 0.0 if abs(upper) <= 1e-12 * extent else upper,
-            "velocity": self.ask(sim.getObjectFloatParam, handle, sim.jointfloatparam_maxvel),
-            "effort": self.ask(sim.getJointTargetForce, handle),
-        }
+        upper = 0.0 if abs(upper) <= 1e-12 * extent else upper  # It holds the range: 0 comes back with a rounding.
+        word = "continuous" if cyclic else names.get(kind, f"number {kind}")
+        velocity = self.ask(sim.getObjectFloatParam, handle, sim.jointfloatparam_maxvel)
+        effort = self.ask(sim.getJointTargetForce, handle)
+        axis = self._axis(handle, child)
+        return measures.joint_record(name, word, axis, lower, upper, velocity=velocity, effort=effort)
 
     def _shape(self, link: str) -> int | None:
         """The shape that carries a link: what touches, and what is seen where nothing touches."""

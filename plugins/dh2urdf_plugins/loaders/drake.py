@@ -81,15 +81,10 @@ class Held(measures.Model):
         lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
         endless = kind == "revolute" and lower == -math.inf and upper == math.inf
         actuator = self.actuators().get(name)
-        return {
-            "name": name,
-            "type": "continuous" if endless else kind,
-            "axis": measures.vector(axis),
-            "lower": None if endless else float(lower),
-            "upper": None if endless else float(upper),
-            "velocity": float(joint.velocity_upper_limits()[0]),
-            **({"effort": actuator.effort_limit()} if actuator else {}),
-        }
+        kind, others = "continuous" if endless else kind, {"effort": actuator.effort_limit()} if actuator else {}
+        velocity = float(joint.velocity_upper_limits()[0])
+        bounds = (float(lower), float(upper))
+        return measures.joint_record(name, kind, measures.vector(axis), *bounds, velocity=velocity, **others)
 
     def frame(self, name: str) -> Any:  # noqa: ANN401 - a module without type information
         """The frame of a link, which of an SDF may be a frame on another body."""

@@ -27,15 +27,12 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 
-SINGLE_PRECISION = 2.0**-23
-"""Distance of 1 to the next number in single precision."""
+SINGLE_PRECISION = 2.0**-23  # distance of 1 to the next number in single precision
 
-HOLD_SECONDS = 2.0
-"""How long the hold test lasts [s]."""
+HOLD_SECONDS = 2.0  # how long the hold test lasts [s]
 TIME_STEP = 1 / 240
 """Time step of the hold test, where a simulator needs none that is shorter [s]: PyBullet's usual one."""
-HOLD_STAYS = 0.01
-"""Joint displacement up to which the arm has stayed where it was [rad or m]."""
+HOLD_STAYS = 0.01  # joint displacement up to which the arm has stayed where it was [rad or m]
 
 OVERLAP = 1e-5
 """How far collision shapes overlap at least to be a finding [m]: shapes that just touch do not.
@@ -234,6 +231,14 @@ def share_of(effort: float | None, load: float) -> float:
 
 VISUAL, COLLISION = "visual", "collision"
 Lengths: TypeAlias = tuple[float, float, float]
+
+
+def joint_record(
+    name: str, kind: str, axis: tuple[float, ...], lower: float | None, upper: float | None, **others: float | None
+) -> dict[str, Any]:
+    """A joint as reports have it; one that turns without end has no limits."""
+    lower, upper = (None, None) if kind == "continuous" else (lower, upper)
+    return {"name": name, "type": kind, "axis": axis, "lower": lower, "upper": upper, **others}
 
 
 class Model:

@@ -44,22 +44,15 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-TIME_STEP = 0.001
-"""Time step of the hold test [s]."""
-YIELD = measures.HOLD_STAYS / 4
-"""Displacement at which a motor of the hold test gives its full effort [rad or m]."""
-MOTOR_SETTLING = 0.05
-"""Time constant with which such a motor settles [s]."""
+TIME_STEP = 0.001  # time step of the hold test [s]
+YIELD = measures.HOLD_STAYS / 4  # displacement at which a motor of the hold test gives its full effort [rad or m]
+MOTOR_SETTLING = 0.05  # time constant with which such a motor settles [s]
 WEIGHT_RISES = measures.HOLD_SECONDS / 2
 """Time in which the weight comes on [s]; all at once, it would fall into the motors and ask for twice the effort."""
-FOLLOW_SECONDS = 3.0
-"""Time that the arm has to follow a step of its targets [s]."""
-REACHED = 0.005
-"""Distance from its target at which a joint has reached it [rad or m]."""
-OVERSHOOT = 0.5
-"""Share of the step by which a joint may overshoot at most."""
-FASTEST_JOINT = 8.0
-"""Speed up to which a joint follows a step without being thrown [rad/s or m/s]."""
+FOLLOW_SECONDS = 3.0  # time that the arm has to follow a step of its targets [s]
+REACHED = 0.005  # distance from its target at which a joint has reached it [rad or m]
+OVERSHOOT = 0.5  # share of the step by which a joint may overshoot at most
+FASTEST_JOINT = 8.0  # speed up to which a joint follows a step without being thrown [rad/s or m/s]
 HELD_JOINTS = 300
 """Largest number of joints of a hold test: the time of a step grows with its cube, and beyond it takes minutes."""
 
@@ -110,14 +103,10 @@ class Held(measures.Model):
         limits = [model.jnt_actfrcrange[number][1]] if model.jnt_actfrclimited[number] else []
         moved_by = model.actuator_trnid[:, 0] == number
         limits += list(model.actuator_forcerange[moved_by & (model.actuator_forcelimited != 0), 1])
-        return {
-            "name": model.joint(number).name,
-            "type": kinds.get(kind, types(kind).name),
-            "axis": measures.vector(model.jnt_axis[number]),
-            "lower": float(model.jnt_range[number][0]) if limited else None,
-            "upper": float(model.jnt_range[number][1]) if limited else None,
-            "effort": float(min(limits)) if limits else None,
-        }
+        name, axis = model.joint(number).name, measures.vector(model.jnt_axis[number])
+        bounds = map(float, model.jnt_range[number]) if limited else (None, None)
+        effort = float(min(limits)) if limits else None
+        return measures.joint_record(name, kinds.get(kind, types(kind).name), axis, *bounds, effort=effort)
 
     def held_bodies(self) -> dict[str, Body]:
         """The links as MuJoCo has them, a site without mass; inertias are turned back from their principal axes."""
@@ -304,11 +293,7 @@ def _follow(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any]
     if _has_begun_anew(mujoco, data):
         errors[:] = np.inf
     error, joint = float(errors.max()), joints[int(errors.argmax())]
-    followed = {
-        "target_error": error if math.isfinite(error) else None,
-        "overshoot": overshoot,
-        "largest_speed": speed,
-    }
+    followed = {"target_error": error if math.isfinite(error) else None, "overshoot": overshoot, "largest_speed": speed}
     if error <= REACHED and overshoot < OVERSHOOT and speed <= FASTEST_JOINT:
         return followed, ()
     unit = "m" if joint.type is JointType.PRISMATIC else "rad"

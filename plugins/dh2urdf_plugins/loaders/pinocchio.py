@@ -67,18 +67,12 @@ class Held(measures.Model):
             turning = joint.createData()
             joint.calc(turning, self.pinocchio.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
             *along, rx, ry, rz = (float(element) + 0.0 for element in turning.S.reshape(6))
-            slides = any(along)
-            endless = joint.nq == _WHOLE_TURNS
-            told = {
-                "name": name,
-                "type": "prismatic" if slides else "continuous" if endless else "revolute",
-                "axis": tuple(along) if slides else (rx, ry, rz),
-                "lower": None if endless else float(model.lowerPositionLimit[joint.idx_q]),
-                "upper": None if endless else float(model.upperPositionLimit[joint.idx_q]),
-                "velocity": float(model.velocityLimit[joint.idx_v]),
-                "effort": float(model.effortLimit[joint.idx_v]),
-            }
-            held.append(told)
+            slides, endless = any(along), joint.nq == _WHOLE_TURNS
+            kind = "prismatic" if slides else "continuous" if endless else "revolute"
+            axis = tuple(along) if slides else (rx, ry, rz)
+            bounds = (float(ends[joint.idx_q]) for ends in (model.lowerPositionLimit, model.upperPositionLimit))
+            velocity, effort = (float(most[joint.idx_v]) for most in (model.velocityLimit, model.effortLimit))
+            held.append(measures.joint_record(name, kind, axis, *bounds, velocity=velocity, effort=effort))
         return held
 
     def held_bodies(self, carriers: Mapping[str, int | None]) -> dict[str, Body]:

@@ -41,10 +41,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-SOFTNESS = 1e-9
-"""Added to the diagonal of the direct solver's matrix, which is singular for joints that move no mass."""
-MARGIN = 0.001
-"""By how much Bullet thickens a cylinder or a mesh in its search for contacts [m]."""
+SOFTNESS = 1e-9  # added to the diagonal of the direct solver's matrix, which is singular for joints that move no mass
+MARGIN = 0.001  # by how much Bullet thickens a cylinder or a mesh in its search for contacts [m]
 SEARCHED = 0.01
 """Distance up to which Bullet searches for contacts [m]: with 0 it finds none between boxes that overlap."""
 
@@ -87,15 +85,9 @@ class Held(measures.Model):
         endless = info[2] == self.bullet.JOINT_REVOLUTE and lower > upper
         names = {self.bullet.JOINT_REVOLUTE: "revolute", self.bullet.JOINT_PRISMATIC: "prismatic"}
         inertial_frame = rotation_from_quaternion(self.bullet.getDynamicsInfo(self.body, info[0])[4])
-        return {
-            "name": _text(info[1]),
-            "type": "continuous" if endless else names.get(info[2], f"number {info[2]}"),
-            "axis": tuple(round(element, 12) + 0.0 for element in rotate(inertial_frame, info[13])),
-            "lower": None if endless else lower,
-            "upper": None if endless else upper,
-            "velocity": info[11],
-            "effort": info[10],
-        }
+        kind = "continuous" if endless else names.get(info[2], f"number {info[2]}")
+        axis = tuple(round(element, 12) + 0.0 for element in rotate(inertial_frame, info[13]))
+        return measures.joint_record(_text(info[1]), kind, axis, lower, upper, velocity=info[11], effort=info[10])
 
     def held_bodies(self) -> dict[str, Body]:
         """The links as PyBullet has them: the inertia is held in its principal axes, and turned back to the link."""

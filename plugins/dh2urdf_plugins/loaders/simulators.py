@@ -22,10 +22,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-Engine: TypeAlias = Literal["bullet", "ode", "vortex", "newton", "mujoco"]
-"""The physics engines of CoppeliaSim."""
-PORT = 23000
-"""Where CoppeliaSim listens by default."""
+Engine: TypeAlias = Literal["bullet", "ode", "vortex", "newton", "mujoco"]  # the physics engines of CoppeliaSim
+PORT = 23000  # where CoppeliaSim listens by default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,16 +22,12 @@ if TYPE_CHECKING:
 JointVector: TypeAlias = tuple[float, ...]
 Frames: TypeAlias = dict[str, RigidTransform]
 
-WIDTH, HEIGHT = 800, 600
-"""Size of the picture [pixels]."""
-FIELD_OF_VIEW = math.radians(30.0)
-"""Vertical [rad]; a long lens keeps parallel links parallel."""
-AZIMUTH, ELEVATION = math.radians(-55.0), math.radians(20.0)
-"""Where the camera stands, seen from the arm [rad]."""
+WIDTH, HEIGHT = 800, 600  # size of the picture [pixels]
+FIELD_OF_VIEW = math.radians(30.0)  # vertical [rad]; a long lens keeps parallel links parallel
+AZIMUTH, ELEVATION = math.radians(-55.0), math.radians(20.0)  # where the camera stands, seen from the arm [rad]
 RENDERED = (2 * WIDTH, 2 * HEIGHT)
 """Size of a picture that is rendered, and then averaged: the renderers' edges are stairs [pixels]."""
-FLOOR = (0.86, 0.88, 0.91, 1.0)
-"""Colour of the floor that an arm stands on."""
+FLOOR = (0.86, 0.88, 0.91, 1.0)  # colour of the floor that an arm stands on
 _BORDER = 1.1  # how much farther than a tight fit
 _BENDS = (0.5, 1.0)  # of the joints [rad]
 _BENT_JOINTS = 4  # whose bends are tried both ways

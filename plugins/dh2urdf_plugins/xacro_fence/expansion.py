@@ -25,13 +25,10 @@ say = Messages(__file__)
 
 _Result = tuple[bytes, list[Place | None], str | None]
 _NOT_THERE = r"\[Errno 2\] No such file or directory: (.*)"
-EXPANSION = 30.0
-"""How long an expansion may take [s]: it computes whatever the file asks for."""
-MAX_OUTPUT = 2**26
-"""Size of what comes out [B]."""
+EXPANSION = 30.0  # how long an expansion may take [s]: it computes whatever the file asks for
+MAX_OUTPUT = 2**26  # size of what comes out [B]
 _RESULT: Data[_Result] = Data(_Result)
-STEPS_OF_MACRO = 100
-"""As how many steps of expressions the call of a macro counts."""
+STEPS_OF_MACRO = 100  # as how many steps of expressions the call of a macro counts
 
 
 class Expanded(NamedTuple):
@@ -45,12 +42,7 @@ class Expanded(NamedTuple):
     places: list[Place | None]
 
 
-def expand_foreign(
-    path: Path,
-    expansion: Expansion | None = None,
-    *,
-    timeout: float | None = None,
-) -> Expanded:
+def expand_foreign(path: Path, expansion: Expansion | None = None, *, timeout: float | None = None) -> Expanded:
     """The text that xacro makes of a file of unknown origin, which can do nothing but be read.
 
     It is expanded in a child process behind `dh2urdf.isolation`, within `timeout` [s]. Expressions are checked before

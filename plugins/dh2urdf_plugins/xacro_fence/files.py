@@ -15,12 +15,9 @@ from dh2urdf.meshes import own_folder, with_its_own
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-MAX_FILE = 2**26
-"""Size of a file that is read [B]."""
-MAX_BYTES = 2**28
-"""Size of all files together, each time that one is read [B]."""
-MAX_FILES = 10_000
-"""How often a file is read."""
+MAX_FILE = 2**26  # size of a file that is read [B]
+MAX_BYTES = 2**28  # size of all files together, each time that one is read [B]
+MAX_FILES = 10_000  # how often a file is read
 
 
 class FileError(Exception):

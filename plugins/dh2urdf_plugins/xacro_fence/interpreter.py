@@ -25,8 +25,7 @@ import xacro  # noqa: TID253 - only the child that expands imports this module
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-Value: TypeAlias = Any
-"""What an expression comes to."""
+Value: TypeAlias = Any  # what an expression comes to
 MAX_EXPRESSION, MAX_BITS, MAX_ARGUMENT = 20_000, 8192, 1000
 """Characters of an expression; bits of a whole number; width, digits to round to, and argument of a factorial."""
 MAX_SIZE, MAX_WORK = 1_000_000, 5_000_000

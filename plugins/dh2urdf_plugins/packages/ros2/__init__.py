@@ -27,8 +27,7 @@ PLUGINS: dict[HardwareName, str] = {
 """The hardware plugins of ros2_control by the option that chooses them."""
 
 NO_LICENSE = "TODO: License declaration"
-NO_MAINTAINER, NO_EMAIL = "user", "user@todo.todo"
-"""What `ros2 pkg create` writes for what a person does not give."""
+NO_MAINTAINER, NO_EMAIL = "user", "user@todo.todo"  # what `ros2 pkg create` writes for what a person does not give
 _EMAIL = re.compile(r"[-\w%+]+(\.[-\w%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}", re.ASCII)  # catkin_pkg's
 _ACCEPTED = {
     "maintainer": "a name in one line, such as Ada Lovelace",
@@ -42,8 +41,7 @@ class Ros2Options(SrdfOptions):
     """How the packages are named, what they drive, and how MoveIt plans."""
 
     package: str = field(
-        default="",
-        metadata={"help": "name of the robot in the names of its packages; by default that of the table"},
+        default="", metadata={"help": "name of the robot in the names of its packages; by default that of the table"}
     )
     maintainer: str = field(default="", metadata={"help": "name of the maintainer in package.xml"})
     email: str = field(default="", metadata={"help": "address of the maintainer in package.xml"})

@@ -27,11 +27,7 @@ from dh2urdf_plugins.formats.xacro.writer import (
     property_name,
 )
 from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
-from dh2urdf_plugins.packages.ros2.yaml_files import (
-    LIMIT_KEYS,
-    follows_whole_table,
-    parameter_key,
-)
+from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, follows_whole_table, parameter_key
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:
@@ -85,7 +81,7 @@ def macro_file(kind: Kind, package: str) -> bytes:
     """The macro of a kind of arm, and a second one for a call without an origin block."""
     robot, name = kind.robot, kind.macro
     notation = _PackageNotation(robot)
-    library = _library()
+    library = etree.Element("robot", nsmap={"xacro": NAMESPACE})
     files = {each: kind.default(package, file) for each, file in kind.files.items()}
     macro = append_macro(library, name, " ".join(f"{each}:='{default}'" for each, default in files.items()))
     if follows_whole_table(robot):
@@ -172,7 +168,3 @@ def _append_control(top: etree._Element, macro: str, prefix: str, own: str, *, c
         positions = f"$(arg {positions_argument(own)})"
         words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
         append_element(append_element(top, "if", value="${hardware_plugin != ''}"), f"{macro}_ros2_control", **words)
-
-
-def _library() -> etree._Element:
-    return etree.Element("robot", nsmap={"xacro": NAMESPACE})

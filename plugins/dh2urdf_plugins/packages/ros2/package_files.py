@@ -32,10 +32,8 @@ say = Messages(__file__)
 TESTING = ("ament_cmake_pytest", "liburdfdom-tools", "xacro")
 _SHORTEST = 2
 _SUFFIX = "_description"
-_PARTS = (0.5, 0.2, 0.9)
-"""Where between their limits the joints are in the test of a package."""
-_UNLIMITED = 3.0
-"""The bound of a joint without limits in that test [rad]."""
+_PARTS = (0.5, 0.2, 0.9)  # where between their limits the joints are in the test of a package
+_UNLIMITED = 3.0  # the bound of a joint without limits in that test [rad]
 
 
 # --- Names ------------------------------------------------------------------------------------------------------------

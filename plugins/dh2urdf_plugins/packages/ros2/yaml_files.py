@@ -28,14 +28,10 @@ if TYPE_CHECKING:
 
 LIMIT_KEYS = {"lower": "min_position", "upper": "max_position", "velocity": "max_velocity", "effort": "max_effort"}
 """The key of each limit in joint_limits.yaml, as MoveIt and ros2_control name it."""
-UPDATE_RATE = 100
-"""Cycles of the controller manager [1/s]."""
-SPACE = 6
-"""The freedoms of a pose: a group with fewer joints reaches positions only."""
-SPEED_UP = 0.5
-"""How long a joint takes to its full velocity where no acceleration is given [s]."""
-_ACCELERATION = 1.0
-"""The acceleration of a joint without a velocity [rad/s² or m/s²]."""
+UPDATE_RATE = 100  # cycles of the controller manager [1/s]
+SPACE = 6  # the freedoms of a pose: a group with fewer joints reaches positions only
+SPEED_UP = 0.5  # how long a joint takes to its full velocity where no acceleration is given [s]
+_ACCELERATION = 1.0  # the acceleration of a joint without a velocity [rad/s² or m/s²]
 
 ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
 """The prefix of an arm, and its moving joints, whose names are without the prefix."""

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-EVERY_ARM = "all"
-"""The group of all arms of a cell."""
+EVERY_ARM = "all"  # the group of all arms of a cell
 
 
 class Group(NamedTuple):

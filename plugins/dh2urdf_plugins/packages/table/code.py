@@ -46,8 +46,7 @@ _WITHOUT = {
     "roboticstoolbox": ("a DHRobot", ("velocity", "effort", "radius")),
 }
 """By format: what its object is called, and the fields that it has no place for beside meshes."""
-_WEIGHTLESS = "body.Mass = 0;\nbody.Inertia = [0 0 0 0 0 0];"
-"""What a body without a mass needs: MATLAB gives it 1 kg."""
+_WEIGHTLESS = "body.Mass = 0;\nbody.Inertia = [0 0 0 0 0 0];"  # what a body without a mass needs: MATLAB gives it 1 kg
 
 
 # --- MATLAB -----------------------------------------------------------------------------------------------------------

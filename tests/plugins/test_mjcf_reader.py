@@ -229,25 +229,23 @@ def test_every_body_is_where_mujoco_has_it(found: ForeignRobot, model: Any) -> N
     assert [notice.code for notice in found.notices] == ["left-out"] * 3
 
 
-BLANK = """<mujoco model="blank"><default><joint axis="0 1 0" pos="0.1 0 0" ref="20" range="-20 30"/>
-  <site euler="10 20 30"/></default><worldbody><body name="one" pos="" euler=" " axisangle="0 1 0 40">
-  <frame pos="" quat=""><joint name="a" axis="" pos=" " ref="" range=""/><geom size="0.1"/>
-  <body name="two" pos="0 0 1" zaxis=""><joint name="ball" type="ball" ref="40" range="0 30"/>
-  <joint name="b" type="slide"/><geom type="capsule" size="0.1 0.1" fromto=""/>
-  <site name="three" euler=""/><site name="four" quat="" pos="1 0 0"/></body></frame></body></worldbody></mujoco>"""
+BALL = """<mujoco model="ball"><default><joint axis="0 1 0" pos="0.1 0 0" ref="20" range="-20 30"/></default>
+  <worldbody><body name="one" axisangle="0 1 0 40"><joint name="a"/><geom size="0.1"/>
+  <body name="two" pos="0 0 1"><joint name="ball" type="ball" ref="40" range="0 30"/>
+  <joint name="b" type="slide"/><geom type="capsule" size="0.1 0.1"/><site name="three" quat="1 0 0 0" pos="1 0 0"/>
+  </body></body></worldbody></mujoco>"""
 
 
-def test_blank_attributes_and_references_of_balls_are_what_mujoco_has(tmp_path: Path) -> None:
-    """What is blank is not there, but a quaternion, which turns nothing; a ball joint has no reference value."""
-    path = tmp_path / "blank.xml"
-    path.write_text(BLANK)
+def test_a_ball_joint_has_no_reference_value(tmp_path: Path) -> None:
+    path = tmp_path / "ball.xml"
+    path.write_text(BALL)
     model = mujoco.MjModel.from_xml_path(str(path))
     data, robot, values = mujoco.MjData(model), foreign_mjcf(path).robot, {"a": 0.3, "b": -0.2}
     for name, value in values.items():
         data.joint(name).qpos = value
     mujoco.mj_kinematics(model, data)
     poses = link_poses(robot, values)
-    for name, found in (("one", data.body), ("two", data.body), ("three", data.site), ("four", data.site)):
+    for name, found in (("one", data.body), ("two", data.body), ("three", data.site)):
         assert as_matrices(poses[name]) == pytest.approx(_frame(found(name).xpos, found(name).xmat), abs=1e-12)
     limits = robot.moving_joints[0].limits
     assert (limits.lower, limits.upper) == pytest.approx(model.joint("a").range)

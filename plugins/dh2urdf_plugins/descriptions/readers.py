@@ -25,6 +25,11 @@ say = Messages(__file__)
 _FINEST, _COARSEST = 1e-14, 1e-2
 
 
+def _of_extract(flag: str, text: str) -> dict[str, Any]:
+    """How `dh2urdf extract` alone has an option."""
+    return {"flag": flag, "commands": ("extract",), "help": text}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionOptions:
     """What is left open by a robot description: which chain, and how its table is written."""
@@ -44,32 +49,20 @@ class DescriptionOptions:
         },
     )
     tolerance: float = field(
-        default=TOLERANCE,
-        metadata={
-            "flag": "T",
-            "commands": ("extract",),
-            "help": "how far the tip of the table may be from the file's [m, rad]",
-        },
+        default=TOLERANCE, metadata=_of_extract("T", "how far the tip of the table may be from the file's [m, rad]")
     )
     near_parallel: Literal["auto", "dh", "split"] = field(
         default="auto",
-        metadata={
-            "flag": "N",
-            "commands": ("extract",),
-            "help": "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)",
-        },
+        metadata=_of_extract(
+            "N", "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)"
+        ),
     )
     rounded_pi: Literal["keep", "repair"] = field(
-        default="keep",
-        metadata={"flag": "R", "commands": ("extract",), "help": "repair reads 1.5708 in an orientation as pi/2"},
+        default="keep", metadata=_of_extract("R", "repair reads 1.5708 in an orientation as pi/2")
     )
     origins: Literal["fewest", "file"] = field(
         default="fewest",
-        metadata={
-            "flag": "O",
-            "commands": ("extract",),
-            "help": "d of parallel axes: fewest that are not 0, or as the file's origins",
-        },
+        metadata=_of_extract("O", "d of parallel axes: fewest that are not 0, or as the file's origins"),
     )
     package_paths: tuple[str, ...] = field(
         default=(), metadata={"help": "ROS packages, or folders of some, with meshes and included files"}

@@ -154,7 +154,16 @@ def _rewritten(
             row = next(given)
             rows.append(replace(row, **found._asdict(), offset=0.0, sign=1))
     table = replace(manipulator, convention=convention, rows=tuple(rows), base=numbers.base, tool=numbers.tool)
-    return _with_bodies(manipulator, table)
+    # What the links carry is where the given table has it, in the frames of this one.
+    before, after = (dh_frames(each, (0.0,) * len(each.moving_rows))[1:] for each in (manipulator, table))
+    old = dict(zip([row.joint for row in manipulator.rows], before, strict=True))
+    rows = [
+        with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row
+        for row, frame in zip(table.rows, after, strict=True)
+    ]
+    back = table.base.inverse @ manipulator.base
+    visual, collision = (_moved_mesh(mesh, back) for mesh in (table.base_visual, table.base_collision))
+    return replace(table, rows=tuple(rows), base_visual=visual, base_collision=collision)
 
 
 def _chain(manipulator: Manipulator) -> Chain:
@@ -169,23 +178,6 @@ def _chain(manipulator: Manipulator) -> Chain:
         so_far = turned @ step if is_standard else turned  # a half turn is its own inverse
     axes = tuple([Axis(row.joint, row.type) for row in manipulator.rows])
     return Chain(axes, (*links, so_far @ manipulator.tool))
-
-
-def _with_bodies(given: Manipulator, table: Manipulator) -> Manipulator:
-    """The table with what its links carry where the given one has it, in its own frames."""
-    before, after = (dh_frames(each, (0.0,) * len(each.moving_rows))[1:] for each in (given, table))
-    old = dict(zip([row.joint for row in given.rows], before, strict=True))
-    rows = [
-        with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row
-        for row, frame in zip(table.rows, after, strict=True)
-    ]
-    back = table.base.inverse @ given.base
-    return replace(
-        table,
-        rows=tuple(rows),
-        base_visual=_moved_mesh(table.base_visual, back),
-        base_collision=_moved_mesh(table.base_collision, back),
-    )
 
 
 def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:

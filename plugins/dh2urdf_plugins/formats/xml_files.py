@@ -125,20 +125,13 @@ class Unread(NamedTuple):
 
 
 class FileElements:
-    """The elements of a file.
-
-    Attributes:
-        file: what messages call the file.
-        unread: what is in the file and could not be read.
-        loose: the types of joints that no table has, by name.
-        faulty: by name, what is wrong with joints.
-    """
+    """The elements of a file, and what messages call it."""
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.unread: list[Unread] = []
-        self.loose: dict[str, str] = {}
-        self.faulty: dict[str, Unread] = {}
+        self.unread: list[Unread] = []  # what is in the file and could not be read
+        self.loose: dict[str, str] = {}  # the types of joints that no table has, by name
+        self.faulty: dict[str, Unread] = {}  # by name, what is wrong with joints
 
     def mark(self, element: etree._Element) -> Mark:
         """Where an element is."""
@@ -147,6 +140,20 @@ class FileElements:
     def error(self, element: etree._Element, code: str, **about: Any) -> ProofError:  # noqa: ANN401 - of a message
         """What is wrong with an element."""
         return ProofError(say(code, self.mark(element), **about))
+
+    def child(self, element: etree._Element, tag: str) -> etree._Element:
+        """The first child of a name, which has to be there."""
+        child = element.find(tag)
+        if child is None:
+            raise self.error(element, "element-missing", tag=element.tag, what=tag)
+        return child
+
+    def text(self, element: etree._Element, attribute: str) -> str:
+        """The value of an attribute, which has to be there."""
+        text = element.get(attribute)
+        if text is None:
+            raise self.error(element, "attribute-missing", tag=element.tag, attribute=attribute)
+        return text
 
     def read(self, element: etree._Element, name: str, text: str, count: int, most: int = 0) -> list[float]:
         """The finite numbers of a text with spaces between them; of as many as `most`, further ones mean nothing.
@@ -261,25 +268,15 @@ class FileElements:
 
 
 class Model(NamedTuple):
-    """What is in an SDF or an MJCF.
-
-    Attributes:
-        robot: its links and joints; joints that no table has are fixed in it.
-        loose: their types, by name.
-        unread: what could not be read.
-        faulty: joints that could not be read, by name, with what is wrong; they are fixed in it.
-        doubly: links that are held by more than one joint, which closes a loop.
-        mimics: of an SDF, the elements by which joints follow others, by the joints' names.
-        references: of an MJCF, the reference values of the joints that move, by name [rad or m].
-    """
+    """What is in a description; joints that no table has, and those that could not be read, are fixed in the robot."""
 
     robot: Robot
-    loose: Mapping[str, str]
+    loose: Mapping[str, str]  # the types of the former, by name
     unread: Sequence[Unread]
-    faulty: Mapping[str, Unread] = MappingProxyType({})
-    doubly: Collection[str] = ()
-    mimics: Mapping[str, etree._Element] = MappingProxyType({})
-    references: Mapping[str, float] = MappingProxyType({})
+    faulty: Mapping[str, Unread] = MappingProxyType({})  # what is wrong with the latter, by name
+    doubly: Collection[str] = ()  # links that are held by more than one joint, which closes a loop
+    mimics: Mapping[str, etree._Element] = MappingProxyType({})  # by joint of an SDF, how it follows another one
+    references: Mapping[str, float] = MappingProxyType({})  # of the joints of an MJCF that move, by name [rad or m]
 
     def whole(self, accepted: str = ACCEPTED) -> Robot:
         """The robot, of which nothing was left out; tables and the format have the accepted types of joints."""

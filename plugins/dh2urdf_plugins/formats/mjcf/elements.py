@@ -49,26 +49,17 @@ _DEEPEST = 100
 """Frames around each other that are read: each element multiplies all of them."""
 _ORIENTATIONS = {"quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3}
 """The attributes of an orientation and how many numbers each has; the first that is there counts."""
-_BLANK_MEANS_NOTHING = dict.fromkeys(("pos", "axis", "ref", "range", "fromto", "size", *_ORIENTATIONS)) | {
-    "quat": "1 0 0 0"  # It turns nothing, and takes the place of an orientation that a class gives.
-}
-"""Attributes that MuJoCo reads as if they were not there where they are blank."""
 
 
 class Elements(FileElements):
-    """The elements of a model.
-
-    Attributes:
-        root: the outermost one.
-        compiler: the attributes of the compiler.
-        angle: an angle as it is written, times this, is in rad.
-    """
+    """The elements of a model."""
 
     def __init__(self, root: etree._Element, file: str) -> None:
         """Reads the compiler and the default classes."""
         super().__init__(file)
         self.root = root
         self.compiler = compiler_of(root)
+        # An angle as it is written, times this, is in rad.
         self.angle = 1.0 if self.compiler.get("angle") == "radian" else math.pi / 180.0
         self._gives_classes = any(root.find(f".//{path}") is not None for path in ("*[@childclass]", "frame[@class]"))
         self._defaults: dict[str, dict[str, dict[str, str]]] = {"main": {}}  # attributes by class and by tag
@@ -217,11 +208,7 @@ def compiler_of(root: etree._Element) -> dict[str, str]:
 
 
 def _attributes(element: etree._Element) -> dict[str, str]:
-    found: dict[str, str] = dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them
-    if not all(map(str.strip, found.values())):
-        read = {name: text if text.strip() else _BLANK_MEANS_NOTHING.get(name, text) for name, text in found.items()}
-        found = {name: text for name, text in read.items() if text is not None}
-    return found
+    return dict(element.items())  # type: ignore[arg-type]  # they are texts, as lxml parsed them
 
 
 def _over(given: dict[str, str], own: dict[str, str]) -> dict[str, str]:

@@ -41,16 +41,12 @@ def touching_at_home(robot: Robot) -> list[tuple[str, str]]:
                 frames[joint.child] @= joint_motion(joint, stepped(joint, steps))
         placed = [(name, _placed(each, frames[name])) for name, shapes in capsules.items() for each in shapes]
         for (first, one), (second, other) in combinations(placed, 2):
-            if first != second and _may_touch(one, other) and _distance(one, other) < -GRAZING * (one[2] + other[2]):
+            # Of most links the spheres around the capsules are apart.
+            reach = one[2] + other[2] + math.dist(*one[:2]) + math.dist(*other[:2])
+            is_near = first != second and math.dist(one[0], other[0]) <= reach
+            if is_near and _distance(one, other) < -GRAZING * (one[2] + other[2]):
                 found[first, second] = None
     return list(found)
-
-
-def _may_touch(one: Capsule, other: Capsule) -> bool:
-    """Whether two capsules are nearer than the spheres around them: of most links, these are apart."""
-    (start, end, radius), (other_start, other_end, other_radius) = one, other
-    reach = radius + other_radius + math.dist(start, end) + math.dist(other_start, other_end)
-    return math.dist(start, other_start) <= reach
 
 
 def _capsule(shape: Collision) -> Capsule | None:

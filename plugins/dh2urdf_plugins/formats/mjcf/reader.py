@@ -95,9 +95,8 @@ class _Reader(Shapes):
 
     def model(self) -> Model:
         root = self.root
+        self.child(root, "worldbody")
         worlds = root.findall("worldbody")
-        if not worlds:
-            raise self.error(root, "element-missing", tag="mujoco", what="worldbody")
         names = dict.fromkeys(worlds, WORLD)
         links, joints = [self._link(worlds, WORLD)], []
         bodies = {body.get("name") for world in worlds for body in world.iter("body")}

@@ -39,29 +39,18 @@ with T = 50 ms and MuJoCo's step of 2 ms the share has to be above 0.04.
 
 
 class Servo(NamedTuple):
-    """A position servo on one joint.
+    """A position servo on one joint."""
 
-    Attributes:
-        stiffness: kp [N·m/rad or N/m].
-        damping: kv [N·m·s/rad or N·s/m]; with the joint's own damping it makes the whole.
-        armature: inertia of the rotor behind the gear [kg·m² or kg].
-    """
-
-    stiffness: float
-    damping: float
-    armature: float
+    stiffness: float  # kp [N·m/rad or N/m]
+    damping: float  # kv [N·m·s/rad or N·s/m]; with the joint's own damping it makes the whole
+    armature: float  # inertia of the rotor behind the gear [kg·m² or kg]
 
 
 class _Load(NamedTuple):
-    """What a joint has to move, whatever the joint vector.
+    """What a joint has to move, whatever the joint vector."""
 
-    Attributes:
-        inertia: what it feels at most when all joints accelerate alike [kg·m² or kg].
-        weight: what gravity asks of it at most, however the arm is mounted [N·m or N].
-    """
-
-    inertia: float
-    weight: float
+    inertia: float  # what it feels at most when all joints accelerate alike [kg·m² or kg]
+    weight: float  # what gravity asks of it at most, however the arm is mounted [N·m or N]
 
 
 def servos(robot: Robot) -> dict[str, Servo]:

@@ -12,7 +12,7 @@ from math import radians
 from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Origin
-from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.formats.xml_files import D, FileElements
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from lxml import etree
 
 
-_HERE = Origin()
 MODEL = "__model__"
 """The frame of the model that an element is in."""
 IN_MODEL = "use_parent_model_frame"
@@ -37,28 +36,21 @@ class SdfElements(FileElements):
 
     def name(self, element: etree._Element) -> str:
         """The name of an element."""
-        name = element.get("name")
-        if name is None:
-            raise self.error(element, "attribute-missing", tag=element.tag, attribute="name")
-        return name
+        return self.text(element, "name")
 
     def word(self, element: etree._Element, tag: str) -> str:
         """The text of a child."""
-        text = element.findtext(tag)
-        if text is None:
-            raise self.error(element, "element-missing", tag=element.tag, what=tag)
-        return text.strip()
+        return (self.child(element, tag).text or "").strip()
 
     def pose(self, element: etree._Element) -> RigidTransform:
         """The pose of an element in the frame that it names."""
-        origin = self.origin(element)
-        return IDENTITY if origin is _HERE else origin.transform
+        return self.origin(element).transform
 
     def origin(self, element: etree._Element) -> Origin:
         """The pose of an element as it is written."""
         pose = element.find("pose")
         if pose is None or not (text := pose.text) or text.isspace():  # It is where the frame is that it names.
-            return _HERE
+            return Origin()
         if pose.get("rotation_format") == "quat_xyzw":
             x, y, z, *quaternion = self.read(element, "pose", text, 7)
             return Origin.of(RigidTransform(self.quaternion(element, quaternion), (x, y, z)))

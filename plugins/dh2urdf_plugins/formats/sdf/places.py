@@ -108,10 +108,8 @@ def _rename(element: etree._Element, name: str) -> None:
         element.set("attached_to", _outside(element.get("attached_to"), name))
     for each in element.iter("parent", "child"):
         each.text = _outside((each.text or "").strip(), name)
-    for each in element.iter("mimic"):
-        each.set("joint", _outside(each.get("joint"), name))
-    for each in element.iter("pose", "xyz", "frame"):
-        for attribute in ("relative_to", "expressed_in", PLACED_BY):
+    for each in element.iter("mimic", "pose", "xyz", "frame"):
+        for attribute in ("joint", "relative_to", "expressed_in", PLACED_BY):
             if each.get(attribute):
                 each.set(attribute, _outside(each.get(attribute), name))
     if element.tag == "link":

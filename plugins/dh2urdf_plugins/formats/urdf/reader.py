@@ -56,7 +56,7 @@ class _UrdfReader(FileElements):
         for element in root.iterchildren("material"):
             self._material(element)
         robot = Robot(
-            name=self._text(root, "name"),
+            name=self.text(root, "name"),
             links=tuple([self._link(element) for element in root.iterchildren("link")]),
             joints=tuple([self._joint(element) for element in root.iterchildren("joint")]),
         )
@@ -65,18 +65,18 @@ class _UrdfReader(FileElements):
     def _link(self, element: etree._Element) -> Link:
         inertial = element.find("inertial")
         return new_link(
-            name=self._text(element, "name"),
+            name=self.text(element, "name"),
             inertial=None if inertial is None else self.part(inertial, self._inertial, None),
             **self.shapes(element, self._placed, lambda visual: self._material(visual.find("material"))),
         )
 
     def _joint(self, element: etree._Element) -> Joint:
-        parent, child = (self._text(self._child(element, end), "link") for end in ("parent", "child"))
-        return self.joint(element, self._text(element, "name"), parent, child, self._motion)
+        parent, child = (self.text(self.child(element, end), "link") for end in ("parent", "child"))
+        return self.joint(element, self.text(element, "name"), parent, child, self._motion)
 
     def _motion(self, element: etree._Element) -> dict[str, Any]:
         """How a joint moves."""
-        kind = self.kind(element, self._text(element, "type"), _LOOSE)
+        kind = self.kind(element, self.text(element, "type"), _LOOSE)
         axis = element.find("axis")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
@@ -95,11 +95,11 @@ class _UrdfReader(FileElements):
         return self._numbers(element, field, 1)[0]
 
     def _inertial(self, element: etree._Element) -> Inertial:
-        tensor, origin = self._child(element, "inertia"), self._origin(element)
+        tensor, origin = self.child(element, "inertia"), self._origin(element)
         inertia = new_inertia(**{name: self._numbers(tensor, name, 1)[0] for name in INERTIA})
         if origin.rpy != ZERO:
             inertia = rotated(inertia, rotation_from_rpy(origin.rpy))
-        mass = self._numbers(self._child(element, "mass"), "value", 1)[0]
+        mass = self._numbers(self.child(element, "mass"), "value", 1)[0]
         return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
     def _material(self, element: etree._Element | None) -> Material | None:
@@ -118,7 +118,7 @@ class _UrdfReader(FileElements):
 
     def _placed(self, element: etree._Element) -> list[tuple[Geometry, Origin]]:
         """The parts of a shape, and where they are in the link."""
-        geometry = self._child(element, "geometry")
+        geometry = self.child(element, "geometry")
         shape = next(geometry.iterchildren(etree.Element), None)
         if shape is None:
             raise self.error(geometry, "geometry-unknown")
@@ -128,25 +128,13 @@ class _UrdfReader(FileElements):
                 return (1.0, 1.0, 1.0)
             return self._numbers(shape, name, count)
 
-        return self.parts(shape, self._origin(element), numbers, partial(self._text, shape, "filename"))
+        return self.parts(shape, self._origin(element), numbers, partial(self.text, shape, "filename"))
 
     def _origin(self, parent: etree._Element) -> Origin:
         origin = parent.find("origin")
         if origin is None:
             return new_origin()
         return new_origin(xyz=self._vector(origin, "xyz", ZERO), rpy=self._vector(origin, "rpy", ZERO))
-
-    def _child(self, element: etree._Element, tag: str) -> etree._Element:
-        child = element.find(tag)
-        if child is None:
-            raise self.error(element, "element-missing", tag=element.tag, what=tag)
-        return child
-
-    def _text(self, element: etree._Element, attribute: str) -> str:
-        text = element.get(attribute)
-        if text is None:
-            raise self.error(element, "attribute-missing", tag=element.tag, attribute=attribute)
-        return text
 
     def _vector(self, element: etree._Element, attribute: str, default: Vec3) -> Vec3:
         if element.get(attribute) is None:
@@ -155,4 +143,4 @@ class _UrdfReader(FileElements):
         return (x, y, z)
 
     def _numbers(self, element: etree._Element, attribute: str, count: int) -> list[float]:
-        return self.read(element, attribute, self._text(element, attribute), count)
+        return self.read(element, attribute, self.text(element, attribute), count)

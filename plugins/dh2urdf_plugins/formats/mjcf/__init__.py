@@ -33,9 +33,5 @@ EMITTER = Emitter(
     suffixes=(".xml", ".mjcf"),
     options=MjcfOptions,
     emit=Late(f"{__name__}.writer:mjcf_files"),
-    capabilities=(
-        ReadsBack(read_mjcf),
-        ReadsForeign(foreign_mjcf),
-        *checks("inspection:inspect_mjcf", "files:mjcfs"),
-    ),
+    capabilities=(ReadsBack(read_mjcf), ReadsForeign(foreign_mjcf), *checks("inspection:inspect_mjcf", "files:mjcfs")),
 )

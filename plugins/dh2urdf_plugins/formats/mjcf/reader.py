@@ -21,16 +21,7 @@ from dh2urdf.kinematics import axis_rotation
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Origin, Robot
-from dh2urdf.rotations import (
-    IDENTITY_ROTATION,
-    Z_AXIS,
-    ZERO,
-    RigidTransform,
-    Vec3,
-    norm,
-    rotate,
-    scale,
-)
+from dh2urdf.rotations import IDENTITY_ROTATION, Z_AXIS, ZERO, RigidTransform, Vec3, norm, rotate, scale
 from dh2urdf.source import Messages, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, include_files
 from dh2urdf_plugins.formats.mjcf.shapes import Shapes

@@ -24,7 +24,7 @@ from dh2urdf_plugins.home_pose import initial_position
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
-    from dh2urdf.robot import Geometry, Joint, Link, Origin, Robot
+    from dh2urdf.robot import Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.mjcf import MjcfOptions
 
 DEEPEST = 490
@@ -144,25 +144,21 @@ class _Model:
         return attributes
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
+        numbers = self._notation.numbers
         for shape in link.shapes:
             kind = "visual" if isinstance(shape, Visual) else "collision"
-            attributes = {"class": kind, **self._geometry(shape.geometry), **self._pose(shape.origin)}
-            geom = etree.SubElement(body, "geom", attributes)
+            match shape.geometry:  # MuJoCo counts sizes from the middle.
+                case Box(size=(x, y, z)):
+                    form = {"type": "box", "size": numbers((x / 2, y / 2, z / 2))}
+                case Cylinder(radius=radius, length=length):
+                    form = {"type": "cylinder", "size": numbers((radius, length / 2))}
+                case Sphere(radius=radius):
+                    form = {"type": "sphere", "size": numbers((radius,))}
+                case Mesh() as mesh:
+                    form = {"type": "mesh", "mesh": self._meshes.setdefault(mesh, f"mesh_{len(self._meshes) + 1}")}
+            geom = etree.SubElement(body, "geom", {"class": kind, **form, **self._pose(shape.origin)})
             if isinstance(shape, Visual) and shape.material:
-                geom.set("rgba", self._notation.numbers(shape.material.rgba))
-
-    def _geometry(self, geometry: Geometry) -> dict[str, str]:
-        """Type and size of a shape; MuJoCo counts from the middle."""
-        numbers = self._notation.numbers
-        match geometry:
-            case Box(size=(x, y, z)):
-                return {"type": "box", "size": numbers((x / 2, y / 2, z / 2))}
-            case Cylinder(radius=radius, length=length):
-                return {"type": "cylinder", "size": numbers((radius, length / 2))}
-            case Sphere(radius=radius):
-                return {"type": "sphere", "size": numbers((radius,))}
-            case Mesh():
-                return {"type": "mesh", "mesh": self._meshes.setdefault(geometry, f"mesh_{len(self._meshes) + 1}")}
+                geom.set("rgba", numbers(shape.material.rgba))
 
     def _pose(self, origin: Origin | None) -> dict[str, str]:
         """Where a body, site or shape is in the body that holds it; nothing where that is in its frame."""

@@ -112,14 +112,6 @@ class _Place:
         part = layout.known.get(key)
         return None if part is None else (part, of_joints, others)
 
-    def learn(self, text: bytes, part: Part) -> None:
-        """Remembers what a text is."""
-        self.size += len(text)
-        pieces = text.split(b'"')
-        markup = b'"'.join(pieces[::2])
-        layout = self._layouts[markup] = self._layouts.get(markup) or _Layout(part)
-        layout.known[layout.key(pieces[1::2])[0]] = part
-
     def learned(self, text: bytes) -> tuple[Part, bytes, bytes] | None:
         """The same as `read`, or what the slow reader reads in the text and around it; None where it refuses."""
         known = self.read(text)
@@ -155,7 +147,10 @@ class _Place:
         )
         others = tuple([place for place in numbers if place not in of_joints])
         joints = self._kinds.setdefault(joints.kind, joints)
-        self.learn(text, Part(joints, tuple(of_joints), others, len(values)))
+        part = Part(joints, tuple(of_joints), others, len(values))
+        layout = self._layouts.setdefault(b'"'.join(text.split(b'"')[::2]), _Layout(part))
+        layout.known[layout.key(values)[0]] = part
+        self.size += len(text)
         return self.read(text)
 
 

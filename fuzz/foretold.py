@@ -29,7 +29,7 @@ from dh2urdf.commands.check import inspect
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Expansion
-from dh2urdf_check.ask.findings import asking, seen_findings
+from dh2urdf_check.ask.findings import asking
 from dh2urdf_check.files import described_files
 from dh2urdf_check.inspection import model_rules
 from dh2urdf_check.rules import Outcome, rules
@@ -157,7 +157,7 @@ def compared(case: Case, seen: Seen) -> Iterator[Wrong]:
     known = rules() if case.form in ("urdf", "xacro") else model_rules(case.form)
     expansion = packages_of(case) if case.form in ("urdf", "xacro") else None
     foretold = inspect(CATALOG, case.path, case.form, "--as", expansion).findings
-    found = seen_findings(seen, foretold)
+    found = seen.beside(foretold)
     kept, own = effects_of(found), {finding.rule for finding in found} - {finding.rule for finding in foretold}
     for answer in answers_of(seen):
         consumer, loads = answer.program.consumer, answer.end == "loads"

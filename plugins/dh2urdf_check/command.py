@@ -174,11 +174,7 @@ def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out
 
 
 def _refuse_without_table(options: Mapping[str, str | None]) -> None:
-    """Options that say how a table is read and compared would do nothing without one.
-
-    Raises:
-        ConfigError: one is given; it names all of them.
-    """
+    """Options that say how a table is read and compared would do nothing without one."""
     context = click.get_current_context()
     parameters = context.command.get_params(context)
     given = [max(each.opts, key=len) for each in parameters if each.name and options.get(each.name) is not None]
@@ -201,18 +197,12 @@ def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
     """The consumers that are asked for, in their own order; all where none is named."""
-    problems = [
-        Problem(
-            message=f"no simulator {shown(name)} is known",
-            mark=COMMAND_LINE,
-            field="--for",
-            found=name,
-            accepted=", ".join(known),
-            suggestion=did_you_mean(name, known),
-        )
-        for name in simulators
-        if name not in known
-    ]
+    problems = []
+    for name in simulators:
+        if name not in known:
+            message, near = f"no simulator {shown(name)} is known", did_you_mean(name, known)
+            problem = Problem(message=message, mark=COMMAND_LINE, field="--for", found=name, suggestion=near)
+            problems.append(replace(problem, accepted=", ".join(known)))
     if problems:
         raise ConfigError(problems)
     return {name: title for name, title in known.items() if not simulators or name in simulators}

@@ -45,11 +45,7 @@ class Parsed(NamedTuple):
 
 
 def parse(content: bytes) -> Parsed:
-    """The tree of a text.
-
-    Raises:
-        NotXmlError: readers do not take it for XML.
-    """
+    """The tree of a text."""
     if content[:2] in {b"\xff\xfe", b"\xfe\xff"} or b"\0" in content[:4]:
         raise NotXmlError("it is encoded in UTF-16 or UTF-32, and readers take UTF-8")
     tree = _Tree()
@@ -80,11 +76,7 @@ def _blanked(pattern: re.Pattern[str], end: str, text: str) -> str:
 
 
 def _read_as(content: bytes) -> str:
-    """A text as XML to the letter, every element at its place.
-
-    Raises:
-        NotXmlError: it declares an encoding that is not read.
-    """
+    """A text as XML to the letter, every element at its place."""
     declared = _ENCODING.match(content.lstrip())
     encoding = declared[1].decode("ascii", "replace").lower() if declared else "utf-8"
     try:

@@ -64,19 +64,10 @@ def inspect_files(
     expansion: Expansion,
     asked: Sequence[str] | None = None,
 ) -> Inspections:
-    """The findings about files and about the descriptions in folders, which know the ROS packages in there.
+    """The findings about files, of which the named ones have a format, and about the descriptions in folders.
 
-    Args:
-        catalog: the emitters that there are.
-        paths: files and folders.
-        format_name: the format of the files that are named; by their suffix where it is None.
-        expansion: how those are expanded that hold macros, and where packages are.
-        asked: the consumers whose programs are given the files, all where it is empty; None where nobody is asked.
-
-    Raises:
-        InputError: a file that is named cannot be read, or there is nothing to inspect in a folder.
-        ConfigError: the format of a file that is named cannot be checked, or no file takes the arguments.
-        BrokenPluginError: an emitter is at fault.
+    All know the ROS packages in the folders. `asked` are the consumers whose programs are given the files, all where it
+    is empty; None where nobody is asked.
     """
     folders = [path for path in paths if is_folder(path)]
     named = [path for path in paths if path not in folders]
@@ -131,13 +122,7 @@ def _unreadable(problem: Problem) -> Finding:
 
 
 def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
-    """A file with what its emitter can fix.
-
-    Raises:
-        InputError: the file cannot be read.
-        ConfigError: files of the format are not fixed.
-        BrokenPluginError: the emitter is at fault.
-    """
+    """A file with what its emitter can fix."""
     emitter = emitter_of(catalog, file, format_name, _CHOICE)
     checks = emitter.can(Checks)
     if checks is None or checks.fix is None:
@@ -152,12 +137,7 @@ def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
 
 
 def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
-    """The robot descriptions in some folders and in those below them, as emitters know those of their formats.
-
-    Raises:
-        InputError: a folder cannot be read, or there is no description in it.
-        BrokenPluginError: an emitter is at fault.
-    """
+    """The robot descriptions in some folders and in those below them, as emitters know those of their formats."""
     files, unreadable, looked_at = dict[tuple[Path, str], None](), list[Problem](), 0
     packages: list[Path] = []
     for folder in folders:
@@ -199,11 +179,7 @@ def _files(folder: Path, unreadable: list[Problem]) -> Iterator[Path]:
 
 
 def _outermost(path: Path) -> str:
-    """The name of a file's outermost element; empty where the file does not begin as XML does.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """The name of a file's outermost element; empty where the file does not begin as XML does."""
     try:
         with path.open("rb") as file:
             beginning = file.read(_BEGINNING)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _SLOT = re.compile(r"\{([^{}]+)\}")
 _FEW = 4
-_UNQUOTED = ("name(", "moments(", "implausible(", "mesh(")
+_UNQUOTED = ("name(", "moments(", "implausible(", "mesh(", "faster(", "outside(")
 """Functions whose texts are words of ours."""
 
 
@@ -194,11 +194,6 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 # --- Verbs ------------------------------------------------------------------------------------------------------------
 
 
-def _there(_: Document, found: list[etree._Element], _argument: object) -> Iterator[Place]:
-    """Each element that is there."""
-    yield from map(Place, found)
-
-
 def _without(document: Document, found: list[etree._Element], wanted: list[str]) -> Iterator[Place]:
     """Each element that lacks some of its attributes or children; `$missing` has them."""
     for element in found:
@@ -251,8 +246,8 @@ def _each_kind(document: Document, found: list[etree._Element], key: str) -> Ite
     kinds: dict[str, list[etree._Element]] = {}
     for element in found:
         kinds.setdefault(text_of(document.select(key, element)), []).append(element)
-    for first, *others in kinds.values():
-        yield Place(first, {"$count": str(1 + len(others))}, others)
+    for alike in kinds.values():
+        yield from _together(document, alike, key)
 
 
 def _matches(document: Document, _found: object, pattern: str) -> Iterator[Place]:
@@ -260,12 +255,6 @@ def _matches(document: Document, _found: object, pattern: str) -> Iterator[Place
     if match := re.search(pattern, document.text, re.DOTALL):
         start = match.start(match.lastindex or 0)
         yield Place((document.text.count("\n", 0, start) + 1, start - document.text.rfind("\n", 0, start)))
-
-
-def _more(_: Document, found: list[etree._Element], most: int) -> Iterator[Place]:
-    """The first element too many; `$count` is how many there are."""
-    if len(found) > most:
-        yield Place(found[most], {"$count": str(len(found))})
 
 
 def _misplaced(_: Document, found: list[etree._Element], about: Mapping[str, Any]) -> Iterator[Place]:
@@ -309,7 +298,7 @@ def _circle(document: Document, found: list[etree._Element], about: Mapping[str,
 
 
 VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]]] = {
-    "there": _there,
+    "there": lambda _, found, _argument: map(Place, found),
     "without": _without,
     "unknown": _unknown,
     "twice": _twice,
@@ -317,7 +306,6 @@ VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]
     "together": _together,
     "each kind": _each_kind,
     "matches": _matches,
-    "more than": _more,
     "misplaced": _misplaced,
     "in a circle": _circle,
 }

@@ -59,11 +59,7 @@ class _Edit(NamedTuple):
 
 
 def fixed(path: Path) -> Repair:
-    """A URDF with what is mechanical fixed.
-
-    Raises:
-        InputError: the file cannot be read, is no XML, or is not in UTF-8.
-    """
+    """A URDF with what is mechanical fixed."""
     content = read_bytes(path, InputError, limit=LARGEST)
     tags = _tags(content, path)
     edits = [*_numbers(tags), *_names(tags)]

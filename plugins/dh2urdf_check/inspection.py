@@ -36,20 +36,12 @@ _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 
 
 def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a URDF; `expansion` has the packages where meshes of ``package://`` addresses are looked for.
-
-    Raises:
-        InputError: the file cannot be read, or a folder of packages is none.
-    """
+    """Findings about a URDF; `expansion` has the packages where meshes of ``package://`` addresses are looked for."""
     return _inspection(path, read_bytes(path, InputError, limit=LARGEST), expansion)
 
 
 def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a xacro, as xacro expands it behind a fence, with the arguments and packages of an expansion.
-
-    Raises:
-        InputError: the file cannot be read, or a folder of packages is none.
-    """
+    """Findings about a xacro, as xacro expands it behind a fence, with the arguments and packages of an expansion."""
     from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
     read_bytes(path, InputError, limit=LARGEST)
@@ -152,20 +144,12 @@ def model_rules(name: str) -> dict[str, Rule]:
 
 
 def inspect_sdf(path: Path, _expansion: Expansion | None = None) -> Inspection:
-    """Findings about an SDF.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """Findings about an SDF."""
     return _inspected(path, "sdf", "sdf", foreign_sdf)
 
 
 def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
-    """Findings about an MJCF.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """Findings about an MJCF."""
     return _inspected(path, "mjcf", "mujoco", foreign_mjcf)
 
 

@@ -59,23 +59,21 @@ class Links:
                 self.held.setdefault(joint.parent, []).append(joint)
         # The links that no joint moves.
         self.roots = [name for name in self.link if name not in self.holders]
-        self._bodies: dict[str, list[str]] = {}
+        self.body, self.merged = cache(self._body), cache(self._merged)
 
     def holder(self, name: str) -> JointNode | None:
         """The joint that moves a link."""
         return next(iter(self.holders.get(name, ())), None)
 
-    def body(self, name: str) -> list[str]:
+    def _body(self, name: str) -> tuple[str, ...]:
         """A link and all that is fixed to it, directly or not: what moves as one body."""
-        if name not in self._bodies:
-            found = dict.fromkeys([name])
-            waiting = [name]
-            for each in waiting:
-                new = [j.child for j in self.held.get(each, ()) if j.kind == "fixed" and j.child not in found]
-                found |= dict.fromkeys(new)
-                waiting += dict.fromkeys(new)
-            self._bodies[name] = [*found]
-        return self._bodies[name]
+        found, seen = [name], {name}
+        for each in found:
+            for joint in self.held.get(each, ()):
+                if joint.kind == "fixed" and joint.child not in seen:
+                    seen.add(joint.child)
+                    found.append(joint.child)
+        return tuple(found)
 
     @cached_property
     def heads(self) -> dict[str, str]:
@@ -125,6 +123,133 @@ class Links:
         names = dict.fromkeys((self.roots[0], *self.link))
         links = tuple(Link(name=name) for name in names)
         return Robot(name=self.root.get("name") or "", links=links, joints=tuple(first.values()))
+
+    # --- What bodies weigh --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def masses(self) -> dict[str, float]:
+        """The masses that urdfdom reads [kg]: 0 where there is none."""
+        found = dict.fromkeys(self.link, 0.0)
+        for name, link in self.link.items():
+            numbers = numbers_of(_mass_text(link), 1)
+            if numbers and pose_of(link.find("inertial/origin")):
+                (found[name],) = numbers
+        return found
+
+    def is_weightless(self, name: str) -> bool:
+        """Whether a link weighs nothing, and nothing that is fixed to it does; a text that is no number is not 0."""
+        texts = [_mass_text(self.link[each]) for each in self.body(name)]
+        return all(text is None or numbers_of(text, 1) == (0.0,) for text in texts)
+
+    def is_light(self, name: str) -> bool:
+        """Whether MuJoCo takes the mass of a link and of all that is fixed to it for 0."""
+        if self.masses[name] >= _LIGHTEST and not self._has_negative_mass:
+            return False  # without a look at the others
+        texts = [_mass_text(self.link[each]) for each in self.body(name)]
+        masses = [numbers_of(text, 1) or (math.inf,) for text in texts if text is not None]
+        return sum(mass[0] for mass in masses) < _LIGHTEST
+
+    @cached_property
+    def _has_negative_mass(self) -> bool:
+        return any(mass < 0.0 for mass in self.masses.values())
+
+    def _merged(self, names: tuple[str, ...]) -> Inertial | None:
+        """Links that are fixed to the first of them as one body, in its frame; None where it is not known."""
+        poses: dict[str, RigidTransform] = {names[0]: IDENTITY}
+        parts: list[Inertial] = []
+        for name in names:
+            holder, link = self.holder(name), self.link[name]
+            if name not in poses:
+                step = pose_of(holder.element.find("origin")) if holder else None
+                above = poses.get(holder.parent) if holder else None
+                if step is None or above is None:
+                    return None
+                poses[name] = above @ step
+            if link.find("inertial") is not None:
+                if (part := inertial_of(link)) is None:
+                    return None
+                parts.append(placed(part, poses[name]))
+        try:
+            return compound(parts)
+        except (ValueError, IndexError):  # no mass, or no body
+            return None
+
+    # --- What sdformat keeps ------------------------------------------------------------------------------------------
+
+    @cached_property
+    def kept(self) -> dict[str, list[str]]:
+        """The links that are left, each with those that are fixed to it; below one that weighs nothing, none."""
+        root = self.roots[:1]
+        apart = {
+            extension.get("reference")
+            for extension in self.root.iterchildren("gazebo")
+            for child in extension
+            if child.tag in {"preserveFixedJoint", "disableFixedJointLumping"}
+            and (child.text or "").strip().lower() in {"true", "1"}
+        }
+        heads = [joint.child for joint in self.held.get(WORLD, ())] if root == [WORLD] else list(root)
+        seen, found = {WORLD} if root == [WORLD] else set[str](), dict[str, list[str]]()
+        for head in heads:
+            if head in seen:
+                continue
+            body, joints = [head], []
+            seen.add(head)
+            for name in body:
+                for joint in self.held.get(name, ()):
+                    if joint.kind != "fixed" or name == WORLD or joint.name in apart:
+                        joints.append(joint)
+                    elif joint.child not in seen:
+                        seen.add(joint.child)
+                        body.append(joint.child)
+            if head != WORLD and abs(sum(self.masses[name] for name in body)) <= _NOTHING:
+                continue
+            found[head] = body
+            lost = set(self._holding_nothing(body))
+            heads.extend(joint.child for joint in joints if joint.parent not in lost)
+        return found
+
+    def _holding_nothing(self, body: list[str]) -> Iterator[str]:
+        """Links of a body that weigh nothing, with all that is fixed to them: sdformat drops what moves on them."""
+        weights: dict[str, float] = {}
+        for name in reversed(body):  # What is fixed to a link comes after it.
+            below = (joint.child for joint in self.held.get(name, ()) if joint.kind == "fixed")
+            weights[name] = self.masses[name] + sum(weights.get(child, 0.0) for child in below)
+        return (name for name in body[1:] if abs(weights[name]) <= _NOTHING and name != WORLD)
+
+    @cached_property
+    def holding_nothing(self) -> list[str]:
+        """Those of all bodies."""
+        return [name for body in self.kept.values() for name in self._holding_nothing(body)]
+
+    @cached_property
+    def without_centre(self) -> list[str]:
+        """Links that are added to another, where both together weigh 0: their centre of mass is 0/0.
+
+        A link is added to the one that holds it after what is fixed to it has been, in the order of the joints' names.
+        """
+        found = list[str]()
+        for body in self.kept.values():
+            masses = {name: self.masses[name] for name in body}
+            filled = {name for name in body if self.link[name].find("inertial") is not None}
+            for name in reversed(body):
+                for joint in sorted(self.held.get(name, ()), key=lambda joint: joint.name):
+                    if joint.kind == "fixed" and joint.child in filled:
+                        filled.add(name)
+                        masses[name] += masses[joint.child]
+                        if masses[name] == 0.0 and self.holder(joint.child) is not None:
+                            found.append(joint.child)
+        return found
+
+    @cached_property
+    def _body_of(self) -> dict[str, list[str]]:
+        return {name: body for body in self.kept.values() for name in body}
+
+    def suits_gazebo(self, name: str) -> bool:
+        """Whether sdformat drops a link, or what is fixed to the link makes mass and inertia right."""
+        if name not in self._body_of:
+            return True
+        body = self.merged(tuple(self._body_of[name]))
+        return body is not None and body.mass >= 0.0 and law(body.inertia) not in {"definite", "triangle"}
 
 
 def _blocked(graph: dict[str, list[str]]) -> set[str]:
@@ -230,139 +355,6 @@ def inertial_of(link: etree._Element) -> Inertial | None:
 def _mass_text(link: etree._Element) -> str | None:
     mass = link.find("inertial/mass")
     return None if mass is None else mass.get("value")
-
-
-class Bodies:
-    """The bodies of a description."""
-
-    def __init__(self, links: Links) -> None:
-        self._links = links
-        self.merged = cache(self._merged)
-
-    @cached_property
-    def masses(self) -> dict[str, float]:
-        """The masses that urdfdom reads [kg]: 0 where there is none."""
-        found = dict.fromkeys(self._links.link, 0.0)
-        for name, link in self._links.link.items():
-            numbers = numbers_of(_mass_text(link), 1)
-            if numbers and pose_of(link.find("inertial/origin")):
-                (found[name],) = numbers
-        return found
-
-    def is_weightless(self, name: str) -> bool:
-        """Whether a link weighs nothing, and nothing that is fixed to it does; a text that is no number is not 0."""
-        texts = [_mass_text(self._links.link[each]) for each in self._links.body(name)]
-        return all(text is None or numbers_of(text, 1) == (0.0,) for text in texts)
-
-    def is_light(self, name: str) -> bool:
-        """Whether MuJoCo takes the mass of a link and of all that is fixed to it for 0."""
-        if self.masses[name] >= _LIGHTEST and not self._has_negative_mass:
-            return False  # without a look at the others
-        texts = [_mass_text(self._links.link[each]) for each in self._links.body(name)]
-        masses = [numbers_of(text, 1) or (math.inf,) for text in texts if text is not None]
-        return sum(mass[0] for mass in masses) < _LIGHTEST
-
-    @cached_property
-    def _has_negative_mass(self) -> bool:
-        return any(mass < 0.0 for mass in self.masses.values())
-
-    def _merged(self, names: tuple[str, ...]) -> Inertial | None:
-        """Links that are fixed to the first of them as one body, in its frame; None where it is not known."""
-        poses: dict[str, RigidTransform] = {names[0]: IDENTITY}
-        parts: list[Inertial] = []
-        for name in names:
-            holder, link = self._links.holder(name), self._links.link[name]
-            if name not in poses:
-                step = pose_of(holder.element.find("origin")) if holder else None
-                above = poses.get(holder.parent) if holder else None
-                if step is None or above is None:
-                    return None
-                poses[name] = above @ step
-            if link.find("inertial") is not None:
-                if (part := inertial_of(link)) is None:
-                    return None
-                parts.append(placed(part, poses[name]))
-        try:
-            return compound(parts)
-        except (ValueError, IndexError):  # no mass, or no body
-            return None
-
-    # --- What sdformat keeps ------------------------------------------------------------------------------------------
-
-    @cached_property
-    def kept(self) -> dict[str, list[str]]:
-        """The links that are left, each with those that are fixed to it; below one that weighs nothing, none."""
-        links, root = self._links, self._links.roots[:1]
-        apart = {
-            extension.get("reference")
-            for extension in links.root.iterchildren("gazebo")
-            for child in extension
-            if child.tag in {"preserveFixedJoint", "disableFixedJointLumping"}
-            and (child.text or "").strip().lower() in {"true", "1"}
-        }
-        heads = [joint.child for joint in links.held.get(WORLD, ())] if root == [WORLD] else list(root)
-        seen, found = {WORLD} if root == [WORLD] else set[str](), dict[str, list[str]]()
-        for head in heads:
-            if head in seen:
-                continue
-            body, joints = [head], []
-            seen.add(head)
-            for name in body:
-                for joint in links.held.get(name, ()):
-                    if joint.kind != "fixed" or name == WORLD or joint.name in apart:
-                        joints.append(joint)
-                    elif joint.child not in seen:
-                        seen.add(joint.child)
-                        body.append(joint.child)
-            if head != WORLD and abs(sum(self.masses[name] for name in body)) <= _NOTHING:
-                continue
-            found[head] = body
-            lost = set(self._holding_nothing(body))
-            heads.extend(joint.child for joint in joints if joint.parent not in lost)
-        return found
-
-    def _holding_nothing(self, body: list[str]) -> Iterator[str]:
-        """Links of a body that weigh nothing, with all that is fixed to them: sdformat drops what moves on them."""
-        weights: dict[str, float] = {}
-        for name in reversed(body):  # What is fixed to a link comes after it.
-            below = (joint.child for joint in self._links.held.get(name, ()) if joint.kind == "fixed")
-            weights[name] = self.masses[name] + sum(weights.get(child, 0.0) for child in below)
-        return (name for name in body[1:] if abs(weights[name]) <= _NOTHING and name != WORLD)
-
-    @cached_property
-    def holding_nothing(self) -> list[str]:
-        """Those of all bodies."""
-        return [name for body in self.kept.values() for name in self._holding_nothing(body)]
-
-    @cached_property
-    def without_centre(self) -> list[str]:
-        """Links that are added to another, where both together weigh 0: their centre of mass is 0/0.
-
-        A link is added to the one that holds it after what is fixed to it has been, in the order of the joints' names.
-        """
-        links, found = self._links, list[str]()
-        for body in self.kept.values():
-            masses = {name: self.masses[name] for name in body}
-            filled = {name for name in body if links.link[name].find("inertial") is not None}
-            for name in reversed(body):
-                for joint in sorted(links.held.get(name, ()), key=lambda joint: joint.name):
-                    if joint.kind == "fixed" and joint.child in filled:
-                        filled.add(name)
-                        masses[name] += masses[joint.child]
-                        if masses[name] == 0.0 and links.holder(joint.child) is not None:
-                            found.append(joint.child)
-        return found
-
-    @cached_property
-    def _body_of(self) -> dict[str, list[str]]:
-        return {name: body for body in self.kept.values() for name in body}
-
-    def suits_gazebo(self, name: str) -> bool:
-        """Whether sdformat drops a link, or what is fixed to the link makes mass and inertia right."""
-        if name not in self._body_of:
-            return True
-        body = self.merged(tuple(self._body_of[name]))
-        return body is not None and body.mass >= 0.0 and law(body.inertia) not in {"definite", "triangle"}
 
 
 # --- Sizes ------------------------------------------------------------------------------------------------------------

@@ -187,11 +187,7 @@ def tables() -> dict[str, tuple[Path, dict[str, Any]]]:
 
 
 def explanation(name: str) -> str:
-    """What a rule means, what each consumer does with a file that breaks it, and what to do.
-
-    Raises:
-        ConfigError: there is no such rule.
-    """
+    """What a rule means, what each consumer does with a file that breaks it, and what to do."""
     if name not in tables():
         near = did_you_mean(name, get_close_matches(name, tables(), n=1))
         message = f"no rule {shown(name)} is known"

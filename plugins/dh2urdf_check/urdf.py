@@ -14,7 +14,7 @@ from dh2urdf.manipulator import WORLD
 from dh2urdf.source import shown
 from dh2urdf_check.document import without_comments
 from dh2urdf_check.finders import Document, text_of
-from dh2urdf_check.links import MOVING, Bodies, Links, half_sizes, implausible, is_refused_by_mujoco, law, tensor_of
+from dh2urdf_check.links import MOVING, Links, half_sizes, implausible, is_refused_by_mujoco, law, tensor_of
 from dh2urdf_check.meshes import MeshFile, is_found_by_pybullet, read_meshes, resolved
 from dh2urdf_check.numbers import READ_BY, begun_numbers, drake_numbers, mujoco_numbers, numbers_of, urdfdom_numbers
 from dh2urdf_check.rules import Hit, table
@@ -42,7 +42,6 @@ class Urdf(Document):
         packages: Mapping[str, Path],
     ) -> None:
         self.links = Links(parsed.root)
-        self.bodies = Bodies(self.links)
         self._packages = packages
         self._files: dict[str, Path | None] = {}
         super().__init__(parsed.root, path, self._functions_of(), place)
@@ -50,7 +49,7 @@ class Urdf(Document):
 
     def _functions_of(self) -> dict[str, Callable[..., Any]]:
         """The functions of XPath; those of links take the element of a link, or its name."""
-        links, bodies = self.links, self.bodies
+        links = self.links
         compiler = links.root.find("mujoco/compiler")
         options: Mapping[str, str] = {} if compiler is None else compiler.attrib  # type: ignore[assignment]  # as texts
         fuses = options.get("fusestatic") != "false"  # MuJoCo merges what is fixed to the world into it.
@@ -101,14 +100,14 @@ class Urdf(Document):
             "is-lost": of_link(lambda name: bool(links.roots) and name not in links.reached and name in links.holders),
             "merges-held": of_link(lambda name: links.holder(links.heads[name]) is not None),
             "moves-merged": of_link(lambda name: kind_above(links.heads[name]) in MOVING),
-            "weightless": of_link(bodies.is_weightless),
-            "light": of_link(bodies.is_light),
+            "weightless": of_link(links.is_weightless),
+            "light": of_link(links.is_light),
             "touches": of_link(self._touches),
             "massless-inertia": of_link(lambda name: self._law_of_merged(name) == "zero"),
-            "kept": of_link(lambda name: name in bodies.kept),
-            "suits-gazebo": of_link(bodies.suits_gazebo),
-            "without-centre": of_link(lambda name: name in bodies.without_centre),
-            "holds-nothing": of_link(lambda name: name in bodies.holding_nothing),
+            "kept": of_link(lambda name: name in links.kept),
+            "suits-gazebo": of_link(links.suits_gazebo),
+            "without-centre": of_link(lambda name: name in links.without_centre),
+            "holds-nothing": of_link(lambda name: name in links.holding_nothing),
             "implausible": of_element(implausible),
             "law": of_element(lambda at: "" if (tensor := tensor_of(at)) is None else law(tensor)),
             "is-sound": of_element(lambda at: (tensor := tensor_of(at)) is not None and not law(tensor), missing=False),
@@ -124,7 +123,7 @@ class Urdf(Document):
             "roots": lambda _: float(len(links.roots)),
             "is-cut-off": of_link(lambda name: name in cut_off),
             "root": lambda _: [links.link[name] for name in links.roots[:1]],
-            "keeps-something": lambda _: bool(bodies.kept),
+            "keeps-something": lambda _: bool(links.kept),
             "draws": lambda _: options.get("discardvisual") == "false",
             "fuses": lambda _: fuses,
             "colour": of_element(_colour),
@@ -141,7 +140,7 @@ class Urdf(Document):
         return any(each.find("inertial") is None and each.find("collision") is not None for each in found)
 
     def _law_of_merged(self, name: str) -> str:
-        body = self.bodies.merged(tuple(self.links.body(self.links.heads[name])))
+        body = self.links.merged(self.links.body(self.links.heads[name]))
         return "" if body is None else law(body.inertia)
 
     def _least_size(self, context: Any, reader: str) -> float:  # noqa: ANN401 - what XPath has

@@ -13,8 +13,7 @@ import yaml
 
 from dh2urdf.errors import InputError
 from dh2urdf.stages import Expansion
-from dh2urdf_check.packages.inspection import inspect_package
-from dh2urdf_check.packages.package import package_rules
+from dh2urdf_check.packages import inspect_package, package_rules
 from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from dh2urdf.kinematics import comparison as agreement
 from dh2urdf_check.ask.findings import seen_rules
 from dh2urdf_check.command import command
 from dh2urdf_check.inspection import MODEL_CONSUMERS, inspect_urdf, model_rules
-from dh2urdf_check.packages.package import CONSUMERS as PACKAGE_CONSUMERS, package_rules
+from dh2urdf_check.packages import CONSUMERS as PACKAGE_CONSUMERS, package_rules
 from dh2urdf_check.rules import CONSUMERS, GROUPS, rules_of
 
 if TYPE_CHECKING:

@@ -21,18 +21,86 @@ from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_check.ask.asking import Answer, Asked, answering, programs
 from dh2urdf_check.ask.comparing import Difference, differences, postures, unlike_meshes
-from dh2urdf_check.ask.places import JOINT, LINKS, Places, owner_of
+from dh2urdf_check.document import NotXmlError, parse
 from dh2urdf_check.rules import table
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from lxml import etree
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Emitter, Inspection, Severity
+
+JOINT, LINKS = "joint", ("link", "body")
+PARTS = (JOINT, *LINKS)
+_OWNERS = frozenset({*PARTS, "model", "robot"})
+"""The elements whose names programs tell."""
+_LINE = re.compile(r"(?:\bline[ =:]+|\.(?:urdf|sdf|xml|mjcf)[:>]L?|:L)(\d+)(?! in \S*/)")
+_NAMED = re.compile(r"['\"\[(<]([^'\"\[\]()<>]+)['\"\])>]|(?:\b(?:link|joint|body|name|frame|element)|:) +(\S+)")
+
+
+class Places:
+    """The elements of a file, as far as it is XML, in the order of the text, and the line in which each begins.
+
+    `marks` are where the elements are in their own files, where the text is what a xacro expands to.
+    """
+
+    def __init__(self, content: bytes, file: Path, marks: Sequence[Mark | None] = ()) -> None:
+        self.whole = Mark(file=str(file))
+        try:
+            found = parse(content).places
+        except NotXmlError:
+            found = {}
+        self.elements = {element: line for element, (line, _) in found.items()}
+        own = [Mark(file=str(file), line=line, column=column) for line, column in found.values()]
+        placed = [given or self.whole for given in marks] if len(marks) == len(found) else own
+        self._marks = dict(zip(found, placed, strict=True))
+
+    def of_name(self, name: str, kinds: Collection[str]) -> tuple[str, Mark]:
+        """What has a name, of some kinds, and where it is; the file where there is none."""
+        for element, mark in self._marks.items():
+            if element.tag in kinds and element.tag in _OWNERS and element.get("name", "") == name:
+                return str(element.tag), mark
+        return "link", self.whole
+
+    def of_words(self, words: str) -> tuple[str, str, Mark]:
+        """What a message is about: the tag and the name of a link or joint, and where; the file, where it tells none.
+
+        A name in it decides, or else a line.
+        """
+        parts = ((element, mark) for element, mark in self._marks.items() if element.tag in PARTS)
+        names = {element.get("name", ""): (str(element.tag), element.get("name", ""), mark) for element, mark in parts}
+        said = [(found[1] or found[2]).strip(".,;:'\"[]()<>") for found in _NAMED.finditer(words)]
+        if name := next((each for each in reversed(said) if each in names), ""):
+            return names[name]
+        if numbers := _LINE.findall(words):
+            before = [element for element, line in self.elements.items() if line <= int(numbers[-1])]
+            if before:
+                kind, name = owner_of(before[-1])
+                mark = self._marks[before[-1]]
+                return (kind, name, mark) if kind in PARTS else ("", "", mark)
+        return "", "", self.whole
+
+    def at(self, mark: Mark | None) -> Iterator[etree._Element]:
+        """The elements that are at a place; a macro puts several there."""
+        for element, found in self._marks.items():
+            if mark and (found.file, found.line) == (mark.file, mark.line) and mark.column in {None, found.column}:
+                yield element
+
+
+def owner_of(element: etree._Element) -> tuple[str, str]:
+    """The tag and the name of the link or joint, or else of the model, that an element is in, or that it is."""
+    at: etree._Element | None = element
+    while at is not None and at.tag not in _OWNERS:
+        at = at.getparent()
+    return ("", "") if at is None else (str(at.tag), at.get("name", ""))
+
+
+# --- The files of a command, as programs are given them ---------------------------------------------------------------
+
 
 _UNCOMPARED = {"dynamics", "safety_controller", "calibration", "transmission", "gazebo", "sensor", "ros2_control"}
 _UNCOMPARED |= {"material", "color", "texture", "mesh"}
@@ -69,8 +137,35 @@ class Seen(NamedTuple):
     answers: tuple[Answer, ...] = ()
 
     def beside(self, foretold: Sequence[Finding]) -> list[Finding]:
-        """The findings about the file, see `seen_findings`."""
-        return seen_findings(self, foretold)
+        """The findings: what is foretold of consumers that were not asked, and what was seen in the others.
+
+        Where a rule has foretold what a program did to an element, its finding says that it was seen. What is foretold
+        besides of a program that loads the file is left out: it was not seen.
+        """
+        left = [fact for answer in self.answers for fact in _facts(answer, self)]
+        if self.own is not None:
+            by_name = {answer.name: answer for answer in self.answers}
+            told = {name: answer.held for name, answer in by_name.items() if answer.held is not None}
+            for name, each in unlike_meshes(self.own.robot, told):
+                left.append(_of_difference(by_name[name], each, self.places))
+        findings = []
+        for finding in foretold:
+            effects, fitting = [], list(self.places.at(finding.mark))
+            for effect in finding.effects:
+                answer = next((each for each in self.answers if each.program.consumer == effect.consumer), None)
+                if answer is None or answer.end == "unasked":
+                    effects.append(effect)
+                    continue
+                mine = [each for each in left if each.answer is answer and _fits(each, effect, finding, fitting)]
+                if mine:
+                    left = [fact for fact in left if fact not in mine]
+                    does = "; ".join(dict.fromkeys(fact.text for fact in mine))
+                    effects.append(replace(effect, text=does, seen=answer.name))
+                elif not _is_settled(answer, effect, fitting):
+                    effects.append(effect)
+            if effects or not finding.effects:
+                findings.append(replace(finding, effects=tuple(effects)))
+        return [*findings, *_unforetold(left)]
 
 
 @contextmanager
@@ -103,16 +198,12 @@ def why_unasked() -> str:
 def with_what_is_seen(
     catalog: Catalog, emitter: Emitter[Any], path: Path, expansion: Expansion, found: Inspection
 ) -> Inspection:
-    """An inspection with what the programs that are installed were seen to do with the file.
-
-    Raises:
-        ConfigError: no program can be given the file of a stranger here.
-    """
+    """An inspection with what the programs that are installed were seen to do with the file."""
     if why := why_unasked():
         raise ConfigError(Problem(message=f"no simulator is given the file: {why}", mark=Mark(file=str(path))))
     with asking(catalog, [(path, emitter)], expansion, ()) as at_work:
         seen = next(at_work, None)
-    return replace(found, findings=tuple(seen_findings(seen, found.findings))) if seen else found
+    return replace(found, findings=tuple(seen.beside(found.findings))) if seen else found
 
 
 def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path) -> Seen | None:
@@ -194,38 +285,6 @@ def _named(content: bytes, path: Path, packages: Mapping[str, Path]) -> Iterator
 
 
 # --- What was seen as findings ----------------------------------------------------------------------------------------
-
-
-def seen_findings(seen: Seen, foretold: Sequence[Finding]) -> list[Finding]:
-    """The findings about a file: what is foretold of consumers that were not asked, and what was seen in the others.
-
-    Where a rule has foretold what a program did to an element, the finding of the rule says that it was seen. What is
-    foretold besides of a program that loads the file is left out: it was not seen.
-    """
-    left = [fact for answer in seen.answers for fact in _facts(answer, seen)]
-    if seen.own is not None:
-        by_name = {answer.name: answer for answer in seen.answers}
-        told = {name: answer.held for name, answer in by_name.items() if answer.held is not None}
-        for name, each in unlike_meshes(seen.own.robot, told):
-            left.append(_of_difference(by_name[name], each, seen.places))
-    findings = []
-    for finding in foretold:
-        effects, fitting = [], list(seen.places.at(finding.mark))
-        for effect in finding.effects:
-            answer = next((each for each in seen.answers if each.program.consumer == effect.consumer), None)
-            if answer is None or answer.end == "unasked":
-                effects.append(effect)
-                continue
-            mine = [each for each in left if each.answer is answer and _fits(each, effect, finding, fitting)]
-            if mine:
-                left = [fact for fact in left if fact not in mine]
-                does = "; ".join(dict.fromkeys(fact.text for fact in mine))
-                effects.append(replace(effect, text=does, seen=answer.name))
-            elif not _is_settled(answer, effect, fitting):
-                effects.append(effect)
-        if effects or not finding.effects:
-            findings.append(replace(finding, effects=tuple(effects)))
-    return [*findings, *_unforetold(left)]
 
 
 class _Fact(NamedTuple):

@@ -43,12 +43,7 @@ def prepare() -> str:
 
 
 def inspect(question: Question) -> HeldRobot:
-    """The links that urdfdom finds in a URDF; it tells nothing else of it.
-
-    Raises:
-        LoaderError: it refuses the file.
-        CrashError: it ends with a signal.
-    """
+    """The links that urdfdom finds in a URDF; it tells nothing else of it."""
     words = [str(command()), str(question.path)]
     libraries = {"LD_LIBRARY_PATH": str(_wheel() / "lib")} if str(command()).startswith(str(_wheel())) else {}
     done = subprocess.run(  # noqa: S603 - no shell

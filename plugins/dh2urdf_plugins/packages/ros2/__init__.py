@@ -110,7 +110,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_foreign_xacro, is_costly=True),
         WritesFolders(folders),
-        *checks("packages.inspection:inspect_package", "packages.inspection:packages", finds_packages=True),
+        *checks("packages:inspect_package", "packages:packages", finds_packages=True),
         GivesNotices(Late(f"{_PACKAGES}:notices_of_packages")),
     ),
 )

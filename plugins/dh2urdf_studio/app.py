@@ -16,13 +16,14 @@ from fastapi import Response
 from nicegui import Client, app, core, ui
 
 from dh2urdf.errors import OutputError
-from dh2urdf_studio import dialogs, words
+from dh2urdf_studio import dialogs
 from dh2urdf_studio.drawing.mesh_files import MeshStore
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.live_joints import LiveJoints, serve_joints
 from dh2urdf_studio.page import StudioPage
 from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
+from dh2urdf_studio.words import MOST_LOST, PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -81,7 +82,11 @@ class Arrivals:
 
 
 async def _tab() -> str:
-    """The tab that asks for a page, as soon as it has said which it is."""
+    """The tab that asks for a page, as soon as it has said which it is; the page has its style sheet and scripts."""
+    ui.add_css((_HERE / "studio.css").read_text("utf-8"))
+    for script in ("acts.js", "look.js", "view_cube.js", "table_grid.js", "table_widths.js", "page.js"):
+        ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
+    ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read
     await ui.context.client.connected(timeout=30.0)
     return str(ui.context.client.tab_id)
 
@@ -95,14 +100,14 @@ def build_studio(catalog: Catalog, table: TableText | None) -> None:
     app.on_shutdown(meshes.close)
     _serve(meshes)
 
-    def tell_lost(acts: list[str]) -> None:
-        if acts:
-            dialogs.warn(words.lost(acts))
+    def tell_lost(page: str, acts: list[tuple[int, str]]) -> None:
+        if lost := arrivals.lost(page, acts):
+            more = f"\nand {len(lost) - MOST_LOST} more" if len(lost) > MOST_LOST else ""
+            dialogs.warn(PAGE["warnings"]["lost"].format(acts="\n".join(lost[:MOST_LOST]) + more))
 
     @ui.page("/")
     async def studio() -> None:
-        dress()
-        ui.on("dh-lost", lambda event: tell_lost(arrivals.lost(*event.args)))
+        ui.on("dh-lost", lambda event: tell_lost(*event.args))
         client = ui.context.client
         try:
             await StudioPage(session_of(await _tab()), meshes).start()
@@ -144,13 +149,4 @@ def build_view(first: View, meshes: MeshStore) -> None:
 
     @ui.page("/")
     async def view() -> None:
-        dress()
         await ViewPage(view_of(await _tab()), live).start()
-
-
-def dress() -> None:
-    """The style sheet and the scripts of a page."""
-    ui.add_css((_HERE / "studio.css").read_text("utf-8"))
-    for script in ("acts.js", "look.js", "view_cube.js", "table_grid.js", "table_widths.js", "page.js"):
-        ui.add_head_html(f"<script>{(_HERE / script).read_text('utf-8')}</script>")
-    ui.colors(primary="#1864ab", positive="#237032", info="#1864ab")  # white text on them can be read

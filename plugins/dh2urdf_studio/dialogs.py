@@ -16,8 +16,8 @@ from dh2urdf_studio import words
 from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
 from dh2urdf_studio.editing.save import saved
-from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, row_of
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -261,8 +261,7 @@ async def make(session: Session, kind: str, name: str, failed: str = "This canno
         return
     hand_over(file)
     if file.missing:
-        told = ", ".join(file.missing)
-        warn(f"Not in the zip, as the format cannot hold this table: {told}. Save one to see why.")
+        warn(PAGE["warnings"]["missing"].format(suffixes=", ".join(file.missing)))
 
 
 def hand_over(file: Saved) -> None:
@@ -302,7 +301,7 @@ async def linked_table() -> TableText | None:
         return None
     table = kept_table(str(text))
     if table is None:
-        warn("This link holds no table that can be read: it may have been cut off on its way.")
+        warn(PAGE["warnings"]["link"])
     return table
 
 

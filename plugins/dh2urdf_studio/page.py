@@ -14,7 +14,6 @@ from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.editing import edits, opening
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
-from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
@@ -34,6 +33,7 @@ from dh2urdf_studio.widgets import (
     section,
     toggle,
 )
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -274,7 +274,7 @@ class StudioPage(ScenePage):
             if self.session.preview(row, field, text):
                 self._show_arm()
         finally:
-            self._table.answer()
+            self._table.run("ask")
 
     def _typing_ended(self) -> None:
         if self.session.previews:
@@ -303,7 +303,8 @@ class StudioPage(ScenePage):
             put = opening.pasted(session.table, row, field, text, columns)
             self._put(put.table)
             if put.left_out:
-                dialogs.warn(words.left_out(put.left_out))
+                cells = words.count(put.left_out, "cell finds", "cells find")
+                dialogs.warn(PAGE["warnings"]["left_out"].format(cells=cells))
         elif isinstance(answer, tuple):
             await self._show_opened(await dialogs.choose(answer))
 
@@ -313,8 +314,7 @@ class StudioPage(ScenePage):
             self.show()
             return
         if count > edits.MOST_ROWS:
-            told = f"A table of the studio has at most {edits.MOST_ROWS} rows: these are the first of {int(count)}."
-            dialogs.warn(told)
+            dialogs.warn(PAGE["warnings"]["rows"].format(most=edits.MOST_ROWS, count=int(count)))
         self._do(lambda: self.session.resize(int(count), keys))
 
     def _act(self, act: str, key: str | None, other: str | None) -> None:
@@ -333,7 +333,7 @@ class StudioPage(ScenePage):
 
     def _refuse(self, act: str) -> None:
         """The page showed other rows than those of the table when something was done to them."""
-        dialogs.warn(words.refused(act))
+        dialogs.warn(PAGE["warnings"]["refused"].format(act=act))
         self.show()
 
     def _all_columns(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
 from functools import partial
 from html import escape
@@ -13,14 +12,14 @@ from nicegui import run, ui
 
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.output.whole_files import safe_stem
-from dh2urdf_studio import dialogs, words
+from dh2urdf_studio import dialogs
 from dh2urdf_studio.drawing import exports
 from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import LAYERS
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.save import Saved
-from dh2urdf_studio.page_data import PAGE
-from dh2urdf_studio.widgets import ANSWERED, QUIET, Menu, icon_button, lay_menu_item
+from dh2urdf_studio.widgets import ANSWERED, QUIET, Menu, icon_button, lay_menu_item, lay_upload
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection, Mapping
@@ -67,9 +66,10 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
         if event.file.size() > dialogs.LARGEST_FILE:
             dialogs.warn(told["too much"])
             return
-        name = unquote(event.file.name)
+        name, size = unquote(event.file.name), event.file.size()
+        told_size = f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{max(size / 1e3, 0.1):.1f} kB"  # noqa: PLR2004 - [B]
         with page:
-            busy = ui.notification(words.busy(name, event.file.size()), spinner=True, timeout=None)
+            busy = ui.notification(f"reading {name}, {told_size}", spinner=True, timeout=None)
         try:
             tables = await run.io_bound(tables_of, name, await event.file.read(), catalog, dialogs.MOST_CHOICES + 1)
         finally:
@@ -84,8 +84,6 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
             await on_table(await dialogs.choose(tables))
 
     suffixes = [suffix for item in catalog.provided("reader") for suffix in getattr(item.stage, "suffixes", ())]
-    with page:
-        upload = ui.upload(on_upload=take).style("display: none")
     told = {
         "none": f"This is not a file that can be opened. Accepted: one of {', '.join(suffixes)}.",
         "too much": f"Open one file, of at most {dialogs.LARGEST_FILE // 2**20} MB. Descriptions with their meshes "
@@ -93,10 +91,8 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
         "lost": dialogs.LOST,
     }
     ui.on("dh-no-table", lambda event: dialogs.warn(told[str(event.args)]))
-    wanted = json.dumps({"ends": suffixes, "most": 1, "largest": dialogs.LARGEST_FILE, "refused": "dh-no-table"})
-    where = f"{json.dumps(upload.props['url'])}, {wanted}"
-    page.on("drop", js_handler=f"event => dhPage.drop(event, {where})")
-    return f"dhPage.choose({where}, false)"
+    wanted = {"ends": suffixes, "most": 1, "largest": dialogs.LARGEST_FILE, "refused": "dh-no-table"}
+    return f"dhPage.choose({lay_upload(page, wanted, on_upload=take)}, false)"
 
 
 class ScenePage:

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from dh2urdf.manipulator import Convention
 from dh2urdf_studio.editing.opening import first_field
-from dh2urdf_studio.page_data import PAGE
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -94,13 +94,13 @@ class TableGrid:
             self._columns = [PAGE["number_column"], *(_column(field, session) for field in session.columns)]
             self._lay_columns()
         rows = [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
-        self._run("fill", rows, self._acts)
+        self.run("fill", rows, self._acts)
         self.mark()
 
     def _lay_columns(self) -> None:
         """The columns, as wide as the text of the page is large, and as wide as the cells need."""
         self._grid.run_grid_method("setGridOption", "columnDefs", self._columns)
-        self._run("widen")
+        self.run("widen")
 
     def typed(self, row: int, field: str) -> None:
         """Shows what is wrong after a cell was typed, and the cell as it was taken.
@@ -111,38 +111,33 @@ class TableGrid:
         if session.columns != self._header[0]:
             self.show()
             return
-        self._run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""), self._acts)
+        self.run("setCell", session.history.keys[row], field, session.table.rows[row].get(field, ""), self._acts)
         self.mark()
 
-    def answer(self) -> None:
-        """What is being typed is on the screen, as far as it was asked for."""
-        self._run("ask")
-
     def mark(self) -> None:
-        """Marks the wrong cells."""
-        self._run("mark", _problems(self._session))
+        """Marks the wrong cells; errors go before notices."""
+        session, found = self._session, dict[str, dict[str, dict[str, str]]]()
+        for problem in sorted(
+            session.problems, key=lambda item: item.problem.severity == "notice"
+        ):  # errors come first
+            if problem.row is not None:
+                cells = found.setdefault(session.history.keys[problem.row], {})
+                told = {"severity": problem.problem.severity, "text": problem.text}
+                cells.setdefault(problem.field or "number", told)
+        self.run("mark", found)
 
     def draw(self, keys: Sequence[str]) -> None:
         """The keys of the rows of the arm that is in the scene now."""
         if keys != self._drawn:
             self._drawn = keys
-            self._run("draw", keys)
+            self.run("draw", keys)
 
-    def _run(self, name: str, *arguments: object) -> None:
+    def run(self, name: str, *arguments: object) -> None:
+        """Calls a function of table_grid.js; ``ask`` when what is being typed is on the screen."""
         said = ", ".join(json.dumps(argument) for argument in arguments)
         self._grid.client.run_javascript(
             f"{{const api = getElement({self._grid.id})?.api; if (api) dhGrid.{name}(api, {said});}}"
         )
-
-
-def _problems(session: Session) -> dict[str, dict[str, dict[str, str]]]:
-    """The problems by key of the row and field; errors go before notices."""
-    found: dict[str, dict[str, dict[str, str]]] = {}
-    for problem in sorted(session.problems, key=lambda item: item.problem.severity == "notice"):
-        if problem.row is not None:
-            cells = found.setdefault(session.history.keys[problem.row], {})
-            cells.setdefault(problem.field or "number", {"severity": problem.problem.severity, "text": problem.text})
-    return found
 
 
 def _column(field: str, session: Session) -> dict[str, Any]:

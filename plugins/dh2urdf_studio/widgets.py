@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import json
 import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -92,6 +93,15 @@ def toggle(choices: Any, told: str, act: Callable[..., Any], value: object = Non
     """Buttons of which one is pressed."""
     choices = choices if isinstance(choices, dict) else list(choices)
     return ui.toggle(choices, value=value, on_change=act).props(f'dense unelevated no-caps aria-label="{told}"')
+
+
+def lay_upload(target: ui.element, wanted: Mapping[str, Any], **events: Callable[..., Any]) -> str:
+    """Files that are dropped on a part of a page are taken; where to, and which ones, as `dhPage.choose` has them."""
+    with target:
+        upload = ui.upload(multiple="on_multi_upload" in events, **events).style("display: none")
+    where = f"{json.dumps(upload.props['url'])}, {json.dumps(wanted)}"
+    target.on("drop", js_handler=f"event => dhPage.drop(event, {where})")
+    return where
 
 
 class Panel:
@@ -210,7 +220,7 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
             self.answer(q)
             return
         self._sliders = tuple(sliders)
-        self.run_method("show", [self._as_json(slider) for slider in sliders], self._shown(q))
+        self.run_method("show", [_as_json(slider) for slider in sliders], self._shown(q))
 
     def answer(self, q: Mapping[str, float]) -> None:
         """The pose that holds now [rad or m]."""
@@ -232,18 +242,12 @@ class JointSliders(Element, component="joint_sliders.js"):  # type: ignore[call-
     def _shown(self, q: Mapping[str, float]) -> list[float]:
         return [slider.shown(q.get(slider.name, 0.0)) for slider in self._sliders]
 
-    @staticmethod
-    def _as_json(slider: Slider) -> dict[str, Any]:
-        unit = slider.unit.symbol
-        step, span = _STEPS.get(unit, 0.01), slider.shown(slider.upper) - slider.shown(slider.lower)
-        if 0.0 < span < _LEAST_STEPS * step:
-            step = 10.0 ** math.floor(math.log10(span / _LEAST_STEPS))
-        return {
-            "name": slider.name,
-            "group": slider.group,
-            "lower": slider.shown(slider.lower),
-            "upper": slider.shown(slider.upper),
-            "unit": "°" if slider.unit.degrees else unit,
-            "step": step,
-            "digits": max(_DIGITS.get(unit, 4), 1 - math.floor(math.log10(step))),
-        }
+
+def _as_json(slider: Slider) -> dict[str, Any]:
+    unit, lower, upper = slider.unit.symbol, slider.shown(slider.lower), slider.shown(slider.upper)
+    step = _STEPS.get(unit, 0.01)
+    if 0.0 < upper - lower < _LEAST_STEPS * step:
+        step = 10.0 ** math.floor(math.log10((upper - lower) / _LEAST_STEPS))
+    digits = max(_DIGITS.get(unit, 4), 1 - math.floor(math.log10(step)))
+    shown = {"lower": lower, "upper": upper, "unit": "°" if slider.unit.degrees else unit}
+    return {"name": slider.name, "group": slider.group, **shown, "step": step, "digits": digits}

@@ -1,9 +1,11 @@
-"""What the studio says: texts of a session for its page, and numbers with as many digits as count."""
+"""What the pages say: the entries of page.toml, texts of a session, and numbers with as many digits as count."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from dh2urdf.quantities import UNITS, number_in
 from dh2urdf.source import listed
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
+PAGE: dict[str, Any] = tomllib.loads(Path(__file__).with_name("page.toml").read_text("utf-8"))
 MOST_LOST = 6
 """What a table cannot hold, or what was lost, as far as it is reported."""
 USUAL = 6
@@ -54,10 +57,10 @@ def some_of(things: Sequence[str]) -> str:
     return listed(things, MOST_LOST)
 
 
-def unseen(files: Sequence[str]) -> str:
+def unseen(files: Sequence[str], so: str = "") -> str:
     """The message about mesh files that are not there."""
     told = count(len(files), "mesh file was not found", "mesh files were not found")
-    return f"{told}: {some_of(files)}"
+    return f"{told}{so}: {some_of(files)}"
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
@@ -80,38 +83,10 @@ def status(session: Session, errors: int) -> tuple[str, str]:
     return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
 
 
-def busy(name: str, size: int) -> str:
-    """The message while a file is read."""
-    return f"reading {name}, {f'{size / 1e6:.1f} MB' if size >= 1e5 else f'{max(size / 1e3, 0.1):.1f} kB'}"  # noqa: PLR2004 - [B]
-
-
 def remarks(opened: Opened) -> list[str]:
     """What a person should know of a table that was opened."""
     lost = f"The studio's table has no place for {some_of(opened.lost)}: what is made here is without."
     return [*([lost] if opened.lost else ()), *opened.notices]
-
-
-def lost(acts: Sequence[str]) -> str:
-    """The message where the connection has taken acts along."""
-    more = len(acts) - MOST_LOST
-    lines = [*acts[:MOST_LOST], *([f"and {more} more"] if more > 0 else ())]
-    return "\n".join(["The connection broke before this arrived, and the table is without it:", *lines])
-
-
-def left_out(number: int) -> str:
-    """The message where pasted cells found no place."""
-    return (
-        f"{count(number, 'cell finds', 'cells find')} no place to the right of the last column or below the last row.\n"
-        "Start further to the left, show all columns, or copy the header too: then columns are known by their names."
-    )
-
-
-def refused(act: str) -> str:
-    """The message where something was done to rows that are others by now, or whose numbers mean something else."""
-    return (
-        "The table was changed before this reached it, and nothing was done: its rows, its units or its convention are "
-        f"others.\n{act}"
-    )
 
 
 def place(found: CellProblem, table: TableText) -> str:

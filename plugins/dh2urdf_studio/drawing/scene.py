@@ -33,7 +33,7 @@ from dh2urdf_studio.drawing.parts import (
     towards,
 )
 from dh2urdf_studio.drawing.strokes import Stroke, robot_normals, strokes, table_normals
-from dh2urdf_studio.page_data import PAGE
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -206,7 +206,9 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
-    rooted = frozenset() if table else _held_by_the_root(robot)
+    moved = {joint.child for joint in robot.moving_joints}
+    while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
+        moved |= more
     # So many reaches, and no more than half of a usual link, which the arrows of a frame would bury.
     far = max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach
     size = min(FRAME_SIZE, 0.5 / max(1, len(robot.moving_joints) // max(1, len(robot.arms)))) * far
@@ -236,7 +238,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
             parts=tuple(parts),
             label=label,
             layer=layer,
-            rooted=link.name in rooted,
+            rooted=table is None and link.name not in moved,
         )
     if table is not None:
         root = next(link.name for link in robot.links if link.name not in above)
@@ -254,14 +256,6 @@ def _carrier(figure: Figure, joint: Joint | None) -> str | None:
         return None
     table = figure.manipulator
     return figure.name + (joint.parent if table is None or joint.parent == FLANGE else f"frame {len(table.rows)}")
-
-
-def _held_by_the_root(robot: Robot) -> frozenset[str]:
-    """The links that no joint moves."""
-    moved = {joint.child for joint in robot.moving_joints}
-    while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
-        moved |= more
-    return frozenset(link.name for link in robot.links if link.name not in moved)
 
 
 def _bodies(link: Link, figure: Figure) -> Iterator[ScenePart]:

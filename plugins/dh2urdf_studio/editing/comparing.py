@@ -45,9 +45,8 @@ from dh2urdf_studio.editing.reading import read_whole
 from dh2urdf_studio.viewing import description
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.manipulator import DHRow
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.table_text import TableText
@@ -194,8 +193,20 @@ def _in_these_rows(own: Manipulator, arm: Manipulator, zero: RigidTransform) -> 
 
 
 def _with_numbers(table: TableText, arm: Manipulator, wanted: Manipulator) -> TableText:
-    pairs = enumerate(zip(arm.rows, wanted.rows, strict=True))
-    cells = {(number, field): text for number, (row, new) in pairs for field, text in _cells(row, new, table)}
+    """The table with the numbers of another arm where they differ; an offset that is there is kept."""
+    length, angle, cells = UNITS[table.length_unit], UNITS[table.angle_unit], dict[tuple[int, str], str]()
+    for number, (row, new) in enumerate(zip(arm.rows, wanted.rows, strict=True)):
+        moved = "d" if row.type is JointType.PRISMATIC else "theta"
+        for field in ("a", "alpha", "d", "theta"):
+            before, value = getattr(row, field), getattr(new, field)
+            if field == moved:
+                value += new.offset - row.offset
+            apart = math.remainder(value - before, math.tau) if field in ("alpha", "theta") else value - before
+            dimension = dimension_of(field, row.type)
+            if abs(apart) > _SAME and dimension is not None:
+                cells[number, field] = number_in(value, unit_of(dimension, length, angle))
+        if row.sign != new.sign:
+            cells[number, "sign"] = str(new.sign)
     texts = table_text(replace(arm, base=wanted.base, tool=wanted.tool), table.length_unit, table.angle_unit)
     ends = {
         name: getattr(texts, name)
@@ -203,22 +214,6 @@ def _with_numbers(table: TableText, arm: Manipulator, wanted: Manipulator) -> Ta
         if max(f(getattr(arm, name), getattr(wanted, name)) for f in (position_error, angle_error)) > _SAME
     }
     return replace(edits.with_cells(table, cells), **ends)
-
-
-def _cells(row: DHRow, new: DHRow, table: TableText) -> Iterator[tuple[str, str]]:
-    """The cells of a row that have other numbers, with their texts; an offset that is there is kept."""
-    length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
-    moved = "d" if row.type is JointType.PRISMATIC else "theta"
-    for field in ("a", "alpha", "d", "theta"):
-        before, value = getattr(row, field), getattr(new, field)
-        if field == moved:
-            value += new.offset - row.offset
-        apart = math.remainder(value - before, math.tau) if field in ("alpha", "theta") else value - before
-        dimension = dimension_of(field, row.type)
-        if abs(apart) > _SAME and dimension is not None:
-            yield field, number_in(value, unit_of(dimension, length, angle))
-    if row.sign != new.sign:
-        yield "sign", str(new.sign)
 
 
 # --- Files that a browser sent ----------------------------------------------------------------------------------------
@@ -245,8 +240,7 @@ class GivenFiles:
     """A folder for files that were sent, which is there until `close`."""
 
     def __init__(self, files: Iterable[tuple[str, bytes]], catalog: Catalog) -> None:
-        self._catalog = catalog
-        self._wanted = wanted_suffixes(catalog)
+        self._catalog, self._wanted = catalog, wanted_suffixes(catalog)
         self._folder = tempfile.TemporaryDirectory(prefix="dh2urdf-")
         # One folder deeper: an MJCF may include files beside its folder, and nothing is there.
         self._root = Path(self._folder.name).resolve() / "files"

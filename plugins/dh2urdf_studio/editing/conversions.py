@@ -198,12 +198,6 @@ def _with_units_in(text: str, length: Unit, angle: Unit) -> str:
 # --- And back ---------------------------------------------------------------------------------------------------------
 
 
-def earlier_arm(history: History, convention: Convention, catalog: Catalog) -> Manipulator | None:
-    """What the table was when it last had a convention."""
-    state = next((each for each in history.earlier if each.convention == str(convention) and each.rows), None)
-    return read_whole(state, catalog).manipulator if state else None
-
-
 def as_typed(converted: TableText, history: History, catalog: Catalog) -> TableText:
     """A converted table with the texts that a person has typed in its convention and units, where they are its numbers.
 

@@ -27,7 +27,7 @@ from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf_studio.editing.reading import read_whole
-from dh2urdf_studio.page_data import PAGE
+from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -175,22 +175,20 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog, units: 
         replace(arm, rows=tuple(bare), **meshes), units.get("length_unit", "m"), units.get("angle_unit", "rad")
     )
     again = read_whole(table, catalog).manipulator
-    return Opened(table, tuple(_lost(arm, again)) if again else (), _unseen(arm, again))
+    lost = []
+    if again is not None:  # what the arm says that is otherwise, or not there, when its table is read again
+        pairs = ((row, other, f" of {row.joint}") for row, other in zip(arm.rows, again.rows, strict=True))
+        every: tuple[tuple[Any, Any, str], ...] = ((replace(arm, rows=again.rows), again, ""), *pairs)
+        for one, other, whose in every:
+            names = [field.name for field in fields(one) if field.compare]
+            lost += [name + whose for name in names if getattr(one, name) != getattr(other, name)]
+    return Opened(table, tuple(lost), _unseen(arm, again))
 
 
 def _unseen(arm: Manipulator, again: Manipulator | None) -> tuple[str, ...]:
     """What the reader noticed of an arm, and nobody would see on the page."""
     seen = {notice.message for notice in again.notices} if again else ()
     return tuple(str(notice) for notice in arm.notices if notice.message not in seen)
-
-
-def _lost(arm: Manipulator, again: Manipulator) -> Iterator[str]:
-    """What an arm says that is otherwise, or not there, when its table is read again."""
-    pairs = ((row, other, f" of {row.joint}") for row, other in zip(arm.rows, again.rows, strict=True))
-    every: tuple[tuple[Any, Any, str], ...] = ((replace(arm, rows=again.rows), again, ""), *pairs)
-    for one, other, whose in every:
-        names = (field.name for field in fields(one) if field.compare)
-        yield from (name + whose for name in names if getattr(one, name) != getattr(other, name))
 
 
 # --- Pasting ----------------------------------------------------------------------------------------------------------
@@ -237,8 +235,11 @@ def whole_tables(
         return _NO_TABLE
     if not re.search(r"[\r\n]|^\s*(?:- )?[\[{]|\\begin", text):
         return ()
+    # A reader refuses units as options where the text names its own.
+    pairs = zip(("length_unit", "angle_unit"), units, strict=True)
+    said = {name: unit for name, unit in pairs if unit not in USUAL_UNITS}
     unread: tuple[Opened, ...] | str = ()
-    for options in _declared(units):
+    for options in (said, *({name: unit} for name, unit in said.items()), {}) if said else ({},):
         found = tables_of("clipboard.txt", text.encode(), catalog, options=options)
         if not isinstance(found, str):
             found = tuple(opened._replace(table=_of(convention, opened.table)) for opened in found)
@@ -258,15 +259,6 @@ def _words_around(text: str) -> bool:
 def _of(convention: str, table: TableText) -> TableText:
     """A table in a convention, unless it names one."""
     return replace(table, convention=table.convention or str(convention))
-
-
-def _declared(units: tuple[str, str]) -> Iterator[dict[str, str]]:
-    """The units of the page as options: a reader refuses those where the text names its own. The last are none."""
-    said = {
-        f"{kind}_unit": unit for kind, unit in zip(("length", "angle"), units, strict=True) if unit not in USUAL_UNITS
-    }
-    yield from [said, *({key: unit} for key, unit in said.items())] if said else []
-    yield {}
 
 
 def pasted(table: TableText, row: int, field: str, text: str, columns: Sequence[str]) -> Put:

@@ -17,7 +17,7 @@ from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
 from dh2urdf_studio.editing import conversions, edits
 from dh2urdf_studio.editing.comparing import Beside, beside, tip_error
-from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, variants
+from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, read_whole, variants
 from dh2urdf_studio.tab import Tab
 
 if TYPE_CHECKING:
@@ -178,7 +178,8 @@ class Session(Tab):
         """The other convention: the same arm with new numbers, or the same numbers with a new meaning."""
         table = replace(self.table, convention=str(convention))
         if convert and self.convertible is not None:
-            earlier = conversions.earlier_arm(self.history, convention, self.catalog)
+            past = (each for each in self.history.earlier if each.convention == str(convention) and each.rows)
+            earlier = read_whole(last, self.catalog).manipulator if (last := next(past, None)) else None
             converted = conversions.with_convention(self.table, self.convertible, convention, earlier)
             table = conversions.as_typed(converted, self.history, self.catalog)
         self.put(table)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.drawing.mesh_files import LARGEST
 from dh2urdf_studio.drawing.scene import Drawing
 from dh2urdf_studio.editing import comparing
-from dh2urdf_studio.widgets import Panel, row_of, small_button
+from dh2urdf_studio.widgets import Panel, lay_upload, row_of, small_button
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -53,18 +52,24 @@ class ComparingPanel(Panel):
         super().__init__(session, on_move)
 
     def _lay_out(self) -> None:
-        address, wanted = self._lay_upload()
+        catalog = self._session.catalog
+        nothing = f"No description was found. Accepted: {', '.join(comparing.description_suffixes(catalog))}"
+        answers = {"none": f"{nothing}, with mesh files, or a ZIP of them.", "too much": str(comparing.too_much())}
+        ends = [*comparing.wanted_suffixes(catalog), ".zip"]
+        wanted = {"ends": ends, "most": comparing.MOST_FILES, "largest": LARGEST, "refused": "dh-no-files"}
+        where = lay_upload(self._panel, wanted, on_multi_upload=self._take)
+        self._panel.on("dragover", js_handler="event => event.preventDefault()")
         with row_of():
             for told, icon, folder in (
                 ("Open a description", "folder_open", "false"),
                 ("Open a folder", "drive_folder_upload", "true"),
             ):
                 choose = small_button(told, icon=icon)
-                choose.on("click", js_handler=f"() => dhPage.choose({address}, {wanted}, {folder})")
+                choose.on("click", js_handler=f"() => dhPage.choose({where}, {folder})")
             self._which = ui.select([], on_change=self._choose_description)
             self._which.props('dense outlined prefix="file" aria-label="description"').set_visibility(False)
             self._ends = [
-                ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._choose).props(
+                ui.select([_LIKELIEST], value=_LIKELIEST, on_change=self._compare).props(
                     f'dense outlined prefix="{end}" aria-label="{end} of the description"'
                 )
                 for end in ("base link", "tip link")
@@ -74,20 +79,7 @@ class ComparingPanel(Panel):
             self._away = ui.button("Take it away", on_click=self._close).props("flat dense no-caps size=sm")
         self._status = ui.label().classes("studio-compared").style("white-space: pre-line").props('role="status"')
         self._numbers = ui.html(sanitize=False)
-
-    def _lay_upload(self) -> tuple[str, str]:
-        """Lay out what takes files; its address, and what it accepts, as page.js has them."""
-        catalog = self._session.catalog
-        nothing = f"No description was found. Accepted: {', '.join(comparing.description_suffixes(catalog))}"
-        answers = {"none": f"{nothing}, with mesh files, or a ZIP of them.", "too much": str(comparing.too_much())}
         ui.on("dh-no-files", lambda event: self._status.set_text(answers.get(str(event.args), dialogs.LOST)))
-        ends = [*comparing.wanted_suffixes(catalog), ".zip"]
-        wanted = json.dumps({"ends": ends, "most": comparing.MOST_FILES, "largest": LARGEST, "refused": "dh-no-files"})
-        upload = ui.upload(multiple=True, on_multi_upload=self._take).style("display: none")
-        address = json.dumps(upload.props["url"])
-        self._panel.on("dragover", js_handler="event => event.preventDefault()")
-        self._panel.on("drop", js_handler=f"event => dhPage.drop(event, {address}, {wanted})")
-        return address, wanted
 
     def switch(self) -> None:
         """Open it, or close it; the description is shown while it is open."""
@@ -188,10 +180,6 @@ class ComparingPanel(Panel):
         self._numbers.set_content("")
         self._compare()
 
-    def _choose(self) -> None:
-        if self._figure is not None:
-            self._compare()
-
     def _compare(self) -> None:
         ends = ("" if each.value == _LIKELIEST else str(each.value) for each in self._ends)
         self._session.lay_beside(self._figure if self._is_open else None, *ends)
@@ -210,8 +198,7 @@ def _words(found: Beside, table: Manipulator) -> Iterator[str]:
         yield found.refusal
         return
     if unseen := Drawing.of([found.figure]).unseen:
-        told = words.count(len(unseen), "mesh file was not found", "mesh files were not found")
-        yield f"{told}, and the links are drawn as sticks: {words.some_of(unseen)}. Open them together, or the folder."
+        yield f"{words.unseen(unseen, ', and the links are drawn as sticks')}. Open them together, or the folder."
     yield from (f"{notice.message[:1].upper()}{notice.message[1:]}." for notice in found.figure.notices)
     yield f"{found.figure.title}: {agreement.base_link} to {agreement.tip_link}, {len(agreement.joints)} moving joints"
     if agreement.holds:

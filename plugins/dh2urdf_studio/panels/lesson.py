@@ -11,10 +11,9 @@ from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, r
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
-from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.poses import TICK
 from dh2urdf_studio.widgets import Panel, row_of, small_button
-from dh2urdf_studio.words import decimals, plain
+from dh2urdf_studio.words import PAGE, decimals, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -97,10 +96,8 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
         unit = angle if symbol in "θα" else length
         sign = "°" if unit.degrees else f" {unit.symbol}"
         told.append(f"{symbol} = {unit.number(size):.6g}{sign}{' (moves)' if symbol == moves else ''}")
-    index = number + 1
-    is_standard = table.convention is Convention.STANDARD
-    other = Convention.MODIFIED if is_standard else Convention.STANDARD
-    neighbour = number + (-1 if is_standard else 1)
+    index, is_standard = number + 1, table.convention is Convention.STANDARD
+    other, neighbour = (Convention.MODIFIED, number - 1) if is_standard else (Convention.STANDARD, number + 1)
     whose, a, alpha = "a = 0 and α = 0", 0.0, 0.0
     if 0 <= neighbour < len(table.rows):
         whose, a, alpha = f"a and α of row {neighbour + 1}", table.rows[neighbour].a, table.rows[neighbour].alpha

@@ -74,18 +74,10 @@ async def ask(
     usual: int | None = 0,
     cancel: str = "Cancel",
 ) -> Any:  # noqa: ANN401 - what was chosen
-    """Ask a question, or only tell something.
+    """Ask a question, or only show paragraphs; the answer, None where the question, or the tab, was closed.
 
-    Args:
-        title: what is asked.
-        told: paragraphs below it.
-        choices: the texts of buttons, with the answers that they are.
-        look: the class of the paragraphs.
-        usual: the number of the choice that Enter takes; None where a person should think first.
-        cancel: the button that answers nothing; empty where there has to be an answer.
-
-    Returns:
-        The answer; None where the question, or the tab, was closed.
+    Choices are the texts of buttons, with their answers. Enter takes the `usual` one, unless a person should think
+    first; a button without an answer is left out where there has to be one.
     """
     with card(title, persistent=not cancel) as dialog:
         for text in told:

@@ -65,13 +65,9 @@ class LiveJoints:
         return view
 
     def take(self, text: bytes) -> list[str]:
-        """Moves the joints of the views of all tabs as a program asks for.
+        """Moves the joints of the views of all tabs as a program asks for, or none: an `InputError` says what is wrong.
 
-        Returns:
-            The joints whose values were outside their limits: they are at the nearest limit.
-
-        Raises:
-            InputError: a part of the request is wrong; no joint has moved.
+        Joints whose values were outside their limits are at the nearest limit; it returns them.
         """
         try:
             asked = _Request.model_validate_json(text)

@@ -203,21 +203,21 @@ class StudioPage(ScenePage):
         self._empty.set_visibility(not table.rows)
         self._keep()
         errors = [found for found in session.problems if found.problem.severity == "error"]
-        self._show_problems(errors)
+        self._show_problems(len(errors))
         wrong = {found.field for found in errors if found.row is None}
         for key, field in self._ends.items():
             field.set_value(getattr(table, key))
             field.props(f"error={'true' if key in wrong else 'false'} no-error-icon hide-bottom-space")
 
-    def _show_problems(self, errors: Sequence[CellProblem]) -> None:
+    def _show_problems(self, errors: int) -> None:
         """How the table is, and what is wrong: a problem leads to its cell or field, and may ask for a unit."""
         session = self.session
-        text, kind = words.status(session, len(errors))
+        text, kind = words.status(session, errors)
         self._status.set_text(text)
         self._status.classes(replace=f"studio-status {kind}")
         self._told.clear()
         with self._told:
-            for found in [*errors, *(found for found in session.problems if found not in errors)][:MOST_PROBLEMS]:
+            for found in session.problems[:MOST_PROBLEMS]:
                 leads = found.row is not None or found.field in self._ends
                 box = ui.element("button" if leads else "div").classes(f"studio-problem {found.problem.severity}")
                 if leads:
@@ -257,7 +257,7 @@ class StudioPage(ScenePage):
         self._do(lambda: self.session.put(table))
 
     def _set_texts(self, **texts: str) -> None:
-        self._do(lambda: self.session.set_texts(**texts))
+        self._put(edits.with_texts(self.session.table, **texts))
 
     def _edited(self, row: int, field: str, text: str) -> None:
         try:

@@ -56,11 +56,7 @@ def lay_look() -> None:
 
 
 def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) -> str:
-    """A file that is dropped on a page, or chosen, is opened; parts of the page may take dropped files first.
-
-    Returns:
-        What the page calls to let a person choose a file.
-    """
+    """A file that is dropped on a page, or chosen by what it returns, is opened; parts may take dropped files first."""
 
     async def take(event: Any) -> None:  # noqa: ANN401 - NiceGUI's
         if event.file.size() > dialogs.LARGEST_FILE:
@@ -96,12 +92,7 @@ def lay_files(page: ui.element, catalog: Catalog, on_table: Callable[..., Any]) 
 
 
 class ScenePage:
-    """What a page does with the scene and the sliders of its tab; a page of its own lays them out.
-
-    Args:
-        tab: what is shown.
-        on_person: is called when a person has moved joints.
-    """
+    """What a page does with the scene and the sliders of its tab; `on_person` is called when a person moves joints."""
 
     _scene: ArmView
     _sliders: JointSliders

@@ -18,24 +18,15 @@ if TYPE_CHECKING:
 
 
 class Tab:
-    """What a tab shows.
-
-    Attributes:
-        drawing: the robots, as they are drawn.
-        sliders: the joints that a person moves.
-        q: their values by name [rad or m].
-        layers: what was chosen to be shown.
-        opacities: how opaque the bodies of robots are, by their names, where a person has changed it.
-        hidden: the links that are not shown, by the names of their nodes.
-    """
+    """What a tab shows."""
 
     def __init__(self, *layers: str) -> None:
         self.drawing = Drawing()
-        self.sliders: tuple[Slider, ...] = ()
-        self.q: dict[str, float] = {}
-        self.layers = frozenset(layers)
-        self.opacities: dict[str, float] = {}
-        self.hidden: frozenset[str] = frozenset()
+        self.sliders: tuple[Slider, ...] = ()  # the joints that a person moves
+        self.q: dict[str, float] = {}  # their values by name [rad or m]
+        self.layers = frozenset(layers)  # that were chosen
+        self.opacities: dict[str, float] = {}  # of the bodies of robots, by their names, where a person has changed it
+        self.hidden: frozenset[str] = frozenset()  # the names of the nodes of links that are not shown
         self._grasped = 0.0  # the value of the joint when a person took hold of a link
 
     @property

@@ -28,14 +28,9 @@ class TableGrid:
     the server learns of them, and moves neither. The page numbers what is done to cells and rows, and each answer has
     the number of the last act before it: what was done since stays on the screen.
 
-    Args:
-        session: the session.
-        on: what is called, by name: ``edit`` with row, field and text of a cell that was typed, ``typing`` of one that
-            is being typed, ``end`` when typing has ended; ``pick`` with the key of the row that has the cursor, or
-            whose link was picked in the scene, None where nothing was; ``paste`` with the row, the field and the text,
-            None where there is none; ``clear`` with the rows and the fields of cells that are cut or deleted; ``act``
-            with what `edits.rearranged` takes; ``axes`` with the number of axes, None where the field is empty, and
-            keys for new rows.
+    Functions of `on` are called with row, field and text of a cell (``edit`` when it was typed, ``typing`` before,
+    ``paste``), rows and fields (``clear``), a key (``pick``), what `edits.rearranged` takes (``act``), a number of axes
+    with keys for new rows (``axes``), or nothing (``end`` of typing). None is what there is not.
     """
 
     def __init__(self, session: Session, **on: Callable[..., Any]) -> None:
@@ -115,11 +110,9 @@ class TableGrid:
         self.mark()
 
     def mark(self) -> None:
-        """Marks the wrong cells; errors go before notices."""
+        """Marks the wrong cells."""
         session, found = self._session, dict[str, dict[str, dict[str, str]]]()
-        for problem in sorted(
-            session.problems, key=lambda item: item.problem.severity == "notice"
-        ):  # errors come first
+        for problem in session.problems:
             if problem.row is not None:
                 cells = found.setdefault(session.history.keys[problem.row], {})
                 told = {"severity": problem.problem.severity, "text": problem.text}

@@ -137,19 +137,11 @@ class RobotTree(Element, component="robot_tree.js"):  # type: ignore[call-arg]  
 
 def contents(figure: Figure) -> dict[str, Any]:
     """A robot as `robot_tree.js` takes it: its links, each with its joint, its shapes, its mass and its frame."""
-    robot = figure.robot
-    above = {joint.child: joint for joint in reversed(robot.joints)}
-    return {
-        "name": figure.title or robot.name or "robot",
-        "links": [
-            {
-                "node": figure.name + link.name,
-                "name": link.name,
-                "items": [{"kind": kind, "text": text} for kind, text in _items(figure, link, above.get(link.name))],
-            }
-            for link, _ in from_root(robot)
-        ],
-    }
+    above, links = {joint.child: joint for joint in reversed(figure.robot.joints)}, []
+    for link, _ in from_root(figure.robot):
+        items = [{"kind": kind, "text": text} for kind, text in _items(figure, link, above.get(link.name))]
+        links.append({"node": figure.name + link.name, "name": link.name, "items": items})
+    return {"name": figure.title or figure.robot.name or "robot", "links": links}
 
 
 def _items(figure: Figure, link: Link, joint: Joint | None) -> Iterator[tuple[str, str]]:

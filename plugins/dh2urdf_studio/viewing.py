@@ -47,11 +47,7 @@ TOLD_NAMES = 6
 
 
 def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:
-    """The robots of some files.
-
-    Raises:
-        InputError: a file cannot be read; the problems of all files are reported at once.
-    """
+    """The robots of some files; an `InputError` has the problems of all files that cannot be read."""
     found: list[Figure] = []
     problems: list[Problem] = []
     notices: list[Problem] = []
@@ -80,12 +76,7 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
 
 
 def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Iterator[Figure]:
-    """The robots of one file.
-
-    Raises:
-        InputError: it cannot be read.
-        ManipulatorError: it is no robot, or no robot can be made of it.
-    """
+    """The robots of one file."""
     check_file(path, InputError)
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         yield from _of_run(path, catalog)
@@ -101,12 +92,7 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
 
 
 def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:
-    """The robot of a robot description.
-
-    Raises:
-        InputError: no emitter reads files of its format, or it cannot be read.
-        ManipulatorError: it is no robot.
-    """
+    """The robot of a robot description."""
     emitter = catalog.emitter_for(path)
     reads = emitter.can(ReadsForeign) or emitter.can(ReadsBack)
     if reads is None:
@@ -147,21 +133,15 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
 
 
 class View(Tab):
-    """What a tab of `dh2urdf view` shows.
-
-    Attributes:
-        figures: the robots.
-        apart: whether the robots stand side by side, or all at one place.
-        as_in_ros: whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`.
-        plain: the colour of links that have none.
-        followers: the joints that follow others, by name: they have no slider, and values in `q`.
-    """
+    """What a tab of `dh2urdf view` shows."""
 
     def __init__(self, figures: Sequence[Figure]) -> None:
         super().__init__("links", "axes", "outlines")
         self.figures = tuple(figures)
-        self.apart, self.as_in_ros, self.plain = True, True, GREY
-        self.followers = {
+        self.apart = True  # whether the robots stand side by side, or all at one place
+        self.as_in_ros = True  # whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`
+        self.plain = GREY  # the colour of links that have none
+        self.followers = {  # the joints that follow others: they have no slider, but values in `q`
             figure.name + name: follower._replace(leader=figure.name + follower.leader)
             for figure in figures
             for name, follower in figure.followers.items()

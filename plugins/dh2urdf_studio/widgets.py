@@ -105,10 +105,7 @@ def lay_upload(target: ui.element, wanted: Mapping[str, Any], **events: Callable
 
 
 class Panel:
-    """A panel below the table, which a button of the bar opens and closes where there is an arm.
-
-    `on_move` draws the pose anew.
-    """
+    """A panel below the table, opened and closed by a button of the bar; where it moves the arm, it is drawn anew."""
 
     ICON = TITLE = NAME = ""
 
@@ -180,11 +177,7 @@ class ArmView(Element, component="arm_view.js", esm={"dh2urdf-scene": "scene3d"}
             await self.run_method("nextPicture", timeout=1.0)
 
     async def turn(self, frames: int, largest: int) -> AsyncIterator[str]:
-        """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards.
-
-        Raises:
-            TimeoutError: the page does not answer.
-        """
+        """Frames of a turn of the camera about the arm, as data addresses of PNGs; the camera is back afterwards."""
         try:
             for number in range(frames):
                 yield str(await self.run_method("turn", number / frames, largest, timeout=30.0))

@@ -45,7 +45,7 @@ from dh2urdf_studio.editing.reading import read_whole
 from dh2urdf_studio.viewing import description
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
@@ -100,12 +100,6 @@ def beside(figure: Figure, table: Manipulator, robot: Robot, *, base_link: str =
     every = [differences(chain, table, q) for q in proof_vectors(ExpectedPoses.of(table), robot, POSES)]
     worst = tuple(Apart(*map(max, zip(*of_one, strict=True))) for of_one in zip(*every, strict=True))
     return Beside(figure=figure, agreement=agreement, chain=chain, worst=worst)
-
-
-def tip_error(robot: Robot, q: Mapping[str, float], pose: RigidTransform) -> tuple[float, float]:
-    """How far the tip of a robot is from a pose in base_link, at joint values by name [m, rad]."""
-    found = KinematicChain.between(robot).forward_kinematics([q.get(joint.name, 0.0) for joint in robot.moving_joints])
-    return position_error(pose, found), angle_error(pose, found)
 
 
 def differences(chain: KinematicChain, table: Manipulator, q: Sequence[float]) -> tuple[Apart, ...]:

@@ -177,8 +177,8 @@ def _opened(arm: Manipulator, typed: TableText | None, catalog: Catalog, units: 
     again = read_whole(table, catalog).manipulator
     lost = []
     if again is not None:  # what the arm says that is otherwise, or not there, when its table is read again
-        pairs = ((row, other, f" of {row.joint}") for row, other in zip(arm.rows, again.rows, strict=True))
-        every: tuple[tuple[Any, Any, str], ...] = ((replace(arm, rows=again.rows), again, ""), *pairs)
+        both = ((row, other, f" of {row.joint}") for row, other in zip(arm.rows, again.rows, strict=True))
+        every: tuple[tuple[Any, Any, str], ...] = ((replace(arm, rows=again.rows), again, ""), *both)
         for one, other, whose in every:
             names = [field.name for field in fields(one) if field.compare]
             lost += [name + whose for name in names if getattr(one, name) != getattr(other, name)]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics.chain import dh_frames, forward_kinematics
+from dh2urdf.kinematics.chain import KinematicChain, angle_error, dh_frames, forward_kinematics, position_error
 from dh2urdf.manipulator import ROOT, TOOL, Convention, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -16,7 +16,7 @@ from dh2urdf_studio.drawing.parts import PAPER
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
 from dh2urdf_studio.editing import conversions, edits
-from dh2urdf_studio.editing.comparing import Beside, beside, tip_error
+from dh2urdf_studio.editing.comparing import Beside, beside
 from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, read_whole, variants
 from dh2urdf_studio.tab import Tab
 
@@ -87,12 +87,6 @@ class Session(Tab):
         return tuple(field for field in FIELDS if self.all_columns or field in used or field in COLUMNS)
 
     @property
-    def row(self) -> int | None:
-        """The number of the row that is picked; None where none is."""
-        keys = self.history.keys
-        return keys.index(self.picked) if self.picked in keys else None
-
-    @property
     def moving_rows(self) -> list[int]:
         """The numbers of the rows that move, and so are axes."""
         return edits.moving_rows(self.table, self._made)
@@ -146,10 +140,6 @@ class Session(Tab):
         """A cell was typed; a `LookupError` where there is no such cell."""
         self.put(edits.with_cells(self.table, {(row, field): text}))
 
-    def set_texts(self, **texts: str) -> None:
-        """A text of the whole table was typed: its name, base, tool or defaults."""
-        self.put(edits.with_texts(self.table, **texts))
-
     def undo(self) -> None:
         """One state back."""
         self._go_to(self.history.undo())
@@ -194,9 +184,10 @@ class Session(Tab):
 
     @property
     def problems(self) -> tuple[CellProblem, ...]:
-        """What is wrong with the table, from every source, but for what a person has answered."""
+        """What is wrong with the table, from every source, but for what a person has answered; errors come first."""
         found = (*self.reading.problems, *self.problems_of_making)
-        return tuple(each for each in found if each.problem.message not in self.confirmed)
+        left = (each for each in found if each.problem.message not in self.confirmed)
+        return tuple(sorted(left, key=lambda each: each.problem.severity != "error"))
 
     @property
     def convertible(self) -> Manipulator | None:
@@ -274,7 +265,9 @@ class Session(Tab):
         """How far the other variant's tool0 is from the arm's [m, rad]; None where there is none."""
         if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
             return None
-        return tip_error(self.arm.other, self.q, pose)
+        q = [self.q.get(joint.name, 0.0) for joint in self.arm.other.moving_joints]
+        found = KinematicChain.between(self.arm.other).forward_kinematics(q)
+        return position_error(pose, found), angle_error(pose, found)
 
     @property
     def vector(self) -> list[float]:

@@ -68,7 +68,8 @@ class LessonPanel(Panel):
             self._title.set_text("Pick a row of the table, or a link of the arm.")
             self._text.set_content("")
         else:
-            self._title.set_text(f"row {(session.row or 0) + 1}")
+            keys = session.history.keys  # the arm may be that of an earlier table, with other numbers
+            self._title.set_text(f"row {keys.index(session.picked) + 1 if session.picked in keys else 1}")
             self._text.set_content(explained(arm.manipulator, row, session.q, session.table))
 
     def _start(self, progress: float, until: float) -> None:

@@ -106,11 +106,7 @@ class TargetPanel(Panel):
         self._numbers.set_text(told)
 
     def _number(self, name: str, unit: Unit) -> float:
-        """The number in a box in SI units; where nothing was typed, all digits of it.
-
-        Raises:
-            QuantityError: it is none.
-        """
+        """The number in a box in SI units; where nothing was typed, all digits of it."""
         text = self._boxes[name].value or ""
         shown, value = self._shown.get(name, ("", 0.0))
         if text == shown:
@@ -122,11 +118,7 @@ class TargetPanel(Panel):
             raise
 
     def _pose(self, table: TableText) -> RigidTransform:
-        """The pose in the boxes, in the units of a table.
-
-        Raises:
-            QuantityError: a text is no number, or the quaternion is 0.
-        """
+        """The pose in the boxes, in the units of a table; a `QuantityError` where there is none."""
         length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
         x, y, z = (self._number(name, length) for name in PLACE)
         names = TURNS[self._turn.value]

@@ -21,9 +21,10 @@ from dh2urdf_studio.drawing.mesh_files import MeshStore
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.live_joints import LiveJoints, serve_joints
 from dh2urdf_studio.page import StudioPage
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.view_page import ViewPage
 from dh2urdf_studio.viewing import View
-from dh2urdf_studio.words import MOST_LOST, PAGE
+from dh2urdf_studio.words import MOST_LOST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ElementFilter, run, ui
 
 from dh2urdf.errors import Dh2UrdfError
-from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import words
 from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
 from dh2urdf_studio.editing.save import saved
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, row_of
-from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
@@ -93,53 +92,25 @@ async def ask(
 # --- Converting -------------------------------------------------------------------------------------------------------
 
 
-async def ask_convention(convention: Convention, *, possible: bool) -> bool | None:
-    """Whether to convert to a convention (True) or to reinterpret (False); None for neither."""
-    down = convention is Convention.MODIFIED
-    moved = f"a and α move {'down' if down else 'up'} by one row; what is left over goes into the "
-    both = (
-        f"Convert: the same arm, other numbers. {moved}{'tool' if down else 'base'}.",
-        "Reinterpret: the same numbers, another arm. They were meant so from the beginning.",
-    )
-    answer = await _ask(f"To the convention {PAGE['conventions'][convention]['told']}", lambda: both, possible=possible)
-    return None if answer is None else bool(answer[0])
-
-
-async def ask_units(length: str, angle: str, *, possible: bool) -> tuple[str, str, bool] | None:
-    """Units, which can be chosen again here, and whether to convert to them or to reinterpret; None for neither."""
-    answer = await _ask(
-        "To other units",
-        lambda *units: (
-            f"Convert: the same arm, its numbers in {' and '.join(units)}. Cells that name their unit stay.",
-            f"Reinterpret: the same numbers, now {' and '.join(units)}: another arm.",
-        ),
-        possible=possible,
-        units={"unit of lengths": (LENGTH_UNITS, length), "unit of angles": (ANGLE_UNITS, angle)},
-    )
-    return answer and (answer[0], answer[1], answer[2])
-
-
-async def _ask(
-    title: str,
-    told: Callable[..., tuple[str, str]],
-    *,
-    possible: bool,
-    units: Mapping[str, tuple[Sequence[str], str]] | None = None,
+async def ask_conversion(
+    title: str, texts: Sequence[str], units: Sequence[str] = (), *, possible: bool
 ) -> tuple[Any, ...] | None:
+    """Units, which can be chosen again here, and whether to convert to them or to reinterpret; None for neither."""
     # Another choice may have come before the dialog was on the page.
     for asked in ElementFilter(kind=ui.dialog, marker="conversion"):
         asked.submit(None)
 
     def show() -> None:
-        for button, text in zip((convert, again), told(*(each.value for each in chosen)), strict=True):
-            button.set_text(text)
+        for button, text in zip((convert, again), texts, strict=True):
+            button.set_text(text.format(units=" and ".join(each.value for each in chosen)))
 
     with card(title, cancel="Cancel") as dialog:
         dialog.mark("conversion")
         with row_of() as row:
+            every = ("unit of lengths", LENGTH_UNITS), ("unit of angles", ANGLE_UNITS)
             chosen = [
-                ui.toggle(list(every), value=unit, on_change=show).props(f'unelevated no-caps aria-label="{name}"')
-                for name, (every, unit) in (units or {}).items()
+                ui.toggle([*names], value=unit, on_change=show).props(f'unelevated no-caps aria-label="{told}"')
+                for (told, names), unit in zip(every, units, strict=False)
             ]
         row.set_visibility(bool(chosen))
         convert = _choice(dialog, "", answer=True, first=True)

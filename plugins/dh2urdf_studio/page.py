@@ -14,6 +14,7 @@ from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.editing import edits, opening
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
@@ -33,7 +34,6 @@ from dh2urdf_studio.widgets import (
     section,
     toggle,
 )
-from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -50,7 +50,6 @@ class StudioPage(ScenePage):
     """What a tab shows of its session."""
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
-        """Lays the page out; `show` fills it."""
         super().__init__(session)
         self.session, self._number = session, session.history.number
         self._filling = False  # while the bar is filled in, nobody chooses anything there
@@ -318,7 +317,6 @@ class StudioPage(ScenePage):
         self._do(lambda: self.session.resize(int(count), keys))
 
     def _act(self, act: str, key: str | None, other: str | None) -> None:
-        """What was done to a row."""
         try:
             self.session.arrange(act, key, other)
         except LookupError:
@@ -353,12 +351,13 @@ class StudioPage(ScenePage):
         session = self.session
         if self._filling or event.value in (None, session.table.convention):
             return
-        convention = Convention(event.value)
-        convert: bool | None = False
+        convention, about = Convention(event.value), PAGE["conventions"][event.value]
+        chosen: tuple[bool, ...] | None = (False,)
         if session.table.convention and edits.begun(session.table):
-            convert = await dialogs.ask_convention(convention, possible=session.convertible is not None)
-        if convert is not None:
-            session.set_convention(convention, convert=convert)
+            title, possible = f"To the convention {about['told']}", session.convertible is not None
+            chosen = await dialogs.ask_conversion(title, about["asked"], possible=possible)
+        if chosen is not None:
+            session.set_convention(convention, convert=chosen[0])
         self.show()
 
     async def _choose_units(self) -> None:
@@ -366,9 +365,10 @@ class StudioPage(ScenePage):
         units = self._length.value, self._angle.value
         if self._filling or units == (session.table.length_unit, session.table.angle_unit):
             return
-        chosen: tuple[str, str, bool] | None = (*units, False)
+        chosen: tuple[Any, ...] | None = (*units, False)
         if edits.begun(session.table):
-            chosen = await dialogs.ask_units(*units, possible=session.convertible is not None)
+            possible = session.convertible is not None
+            chosen = await dialogs.ask_conversion("To other units", PAGE["units"]["asked"], units, possible=possible)
         if chosen is not None:
             session.set_units(*chosen[:2], convert=chosen[2])
         self.show()

@@ -18,8 +18,8 @@ from dh2urdf_studio.drawing.parts import GREY
 from dh2urdf_studio.drawing.scene import LAYERS
 from dh2urdf_studio.editing.opening import tables_of
 from dh2urdf_studio.editing.save import Saved
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, QUIET, Menu, icon_button, lay_menu_item, lay_upload
-from dh2urdf_studio.words import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection, Mapping
@@ -102,17 +102,14 @@ class ScenePage:
         ui.on_exception(dialogs.show_fault)
 
     def _tell(self, method: str, *arguments: object) -> None:
-        """Calls a method of the scene."""
         self._scene.run_method(method, *arguments)
 
     def _show_arm(self) -> None:
-        """Shows another drawing."""
         self._scene.show(self._tab)
         self._sliders.show(self._tab.sliders, self._tab.q)
         self._show_numbers()
 
     def _show_pose(self) -> None:
-        """Shows the drawing in another pose."""
         self._scene.pose(self._tab)
         self._sliders.answer(self._tab.q)
         self._show_numbers()

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from dh2urdf.manipulator import Convention
 from dh2urdf_studio.editing.opening import first_field
-from dh2urdf_studio.words import PAGE
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -35,7 +35,6 @@ class ViewPage(ScenePage):
     """What a tab shows of its view."""
 
     def __init__(self, view: View, live: LiveJoints) -> None:
-        """Lays the page out; `start` fills it."""
         super().__init__(view, on_person=lambda: live.note(view))
         self.view, self._live = view, live
         with ui.element("div").classes("studio view"):

@@ -76,7 +76,6 @@ def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion |
 
 
 def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Iterator[Figure]:
-    """The robots of one file."""
     check_file(path, InputError)
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         yield from _of_run(path, catalog)

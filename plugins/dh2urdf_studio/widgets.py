@@ -110,7 +110,6 @@ class Panel:
     ICON = TITLE = NAME = ""
 
     def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        """Lay the panel out, hidden."""
         self._session, self._on_move, self._is_open = session, on_move, False
         with ui.element("aside").classes("studio-panel").props(f'aria-label="{self.NAME}"') as self._panel:
             self._lay_out()

@@ -1,11 +1,9 @@
-"""What the pages say: the entries of page.toml, texts of a session, and numbers with as many digits as count."""
+"""What the studio says: texts of a session for its page, and numbers with as many digits as count."""
 
 from __future__ import annotations
 
 import math
-import tomllib
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dh2urdf.quantities import UNITS, number_in
 from dh2urdf.source import listed
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
-PAGE: dict[str, Any] = tomllib.loads(Path(__file__).with_name("page.toml").read_text("utf-8"))
 MOST_LOST = 6
 """What a table cannot hold, or what was lost, as far as it is reported."""
 USUAL = 6

@@ -244,13 +244,13 @@ def test_everything_is_saved(tab: Any, catalog: Catalog) -> None:
     table = gallery_table("stanford.csv", catalog)
     assert tab.save("Table as yaml") == ("stanford.yaml", save.table_file(table, "yaml", catalog).content)
     assert tab.save("Table as .tex") == ("stanford.tex", save.other_file(table, ".tex", "exact", catalog).content)
-    assert tab.save("Robot as urdf") == ("stanford.urdf", save.robot_file(table, "urdf", "exact", catalog).content)
+    assert tab.save("Robot as urdf") == ("stanford.urdf", save.saved(table, "robot", "urdf", "exact", catalog).content)
     assert tab.save("Robot as xacro") == (
         "stanford.urdf.xacro",
-        save.robot_file(table, "xacro", "exact", catalog).content,
+        save.saved(table, "robot", "xacro", "exact", catalog).content,
     )
     assert tab.save("Run file")[0] == "stanford_run.yaml"
-    assert tab.save("Everything, as a zip") == ("stanford.zip", save.zipped(save.all_files(table, "exact", catalog)))
+    assert tab.save("Everything, as a zip") == ("stanford.zip", save.saved(table, "all", "", "exact", catalog).content)
 
 
 def test_faults_of_the_server_are_told(tab: Any, arm_of: Callable[..., Manipulator]) -> None:

@@ -14,7 +14,7 @@ from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from dh2urdf.robot import Joint, Link, Robot
     from dh2urdf.stages.foreign_robot import Follower
@@ -113,14 +113,6 @@ def towards(direction: Vec3) -> Rotation:
     y = scale(1.0 / norm(y), y)
     x = cross(y, z)
     return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
-
-
-def axis_colour(kind: JointType, links: Iterable[Colour]) -> Colour | None:
-    """The colour of a joint's axis, which is never that of the links it joins; None for a joint that does not move."""
-    choices, near = AXIS_COLOURS.get(kind), tuple(links)
-    if choices is None:
-        return None
-    return next((one for one in choices if all(math.dist(one, other) >= APART for other in near)), choices[-1])
 
 
 def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:

@@ -7,6 +7,7 @@ DH frames from the table, by different code, so that the screen itself would sho
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,19 +22,20 @@ from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, drawn_mesh
 from dh2urdf_studio.drawing.parts import (
+    APART,
+    AXIS_COLOURS,
     COLLISION,
     GREY,
     Colour,
     Grip,
     SceneNode,
     ScenePart,
-    axis_colour,
     grips,
     mass_parts,
     towards,
 )
 from dh2urdf_studio.drawing.strokes import Stroke, robot_normals, strokes, table_normals
-from dh2urdf_studio.words import PAGE
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -117,7 +119,14 @@ class Drawing:
 
     def poses(self, q: Mapping[str, float]) -> tuple[RigidTransform, ...]:
         """Where the nodes are, in their order, at joint values by name, a figure's name before it [rad or m]."""
-        return tuple(pose for figure in self.figures for pose in _poses(figure, q))
+        found: list[RigidTransform] = []
+        for figure in self.figures:
+            own, table = _own_values(figure, q), figure.manipulator
+            links = link_poses(figure.robot, own)
+            frames = [links.get(link.name, IDENTITY) for link in figure.robot.links]
+            frames += dh_frames(table, [own[row.joint] for row in table.moving_rows]) if table else ()
+            found += [figure.place @ frame for frame in frames]
+        return tuple(found)
 
     def strokes(self, q: Mapping[str, float]) -> tuple[Stroke, ...]:
         """The DH parameters of the figures that have a table, where they are at q."""
@@ -311,26 +320,13 @@ def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:
 
 
 def _axis(joint: Joint, size: float, near: Sequence[ScenePart]) -> Iterator[ScenePart]:
-    """The axis of a joint in its child's frame, among the bodies that it joins."""
-    colour = axis_colour(joint.type, [part.colour for part in near if part.layer == "links"])
-    if colour is not None and norm(joint.axis) > 0.0:
+    """The axis of a joint in its child's frame; its colour is never that of the links it joins."""
+    colours, taken = AXIS_COLOURS.get(joint.type), [part.colour for part in near if part.layer == "links"]
+    if colours is not None and norm(joint.axis) > 0.0:
         pose = RigidTransform(towards(joint.axis), (0.0, 0.0, 0.0))
-        yield ScenePart(
-            shape="cylinder", size=(0.035 * size, _AXIS_LENGTH * size), pose=pose, layer="axes", colour=colour
-        )
-
-
-# --- Poses ------------------------------------------------------------------------------------------------------------
-
-
-def _poses(figure: Figure, q: Mapping[str, float]) -> Iterator[RigidTransform]:
-    own = _own_values(figure, q)
-    links = link_poses(figure.robot, own)
-    for link in figure.robot.links:
-        yield figure.place @ links.get(link.name, IDENTITY)
-    if figure.manipulator is not None:
-        for frame in dh_frames(figure.manipulator, [own[row.joint] for row in figure.manipulator.moving_rows]):
-            yield figure.place @ frame
+        clear = (each for each in colours if all(math.dist(each, other) >= APART for other in taken))
+        colour, sizes = next(clear, colours[-1]), (0.035 * size, _AXIS_LENGTH * size)
+        yield ScenePart(shape="cylinder", size=sizes, pose=pose, layer="axes", colour=colour)
 
 
 def _own_values(figure: Figure, q: Mapping[str, float]) -> dict[str, float]:

@@ -17,7 +17,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, cross, dot, norm, rotate, scale, subtract
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.words import PAGE
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -27,7 +27,7 @@ from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.editing.edits import MOST_ROWS, resized, with_cells
 from dh2urdf_studio.editing.reading import read_whole
-from dh2urdf_studio.words import PAGE
+from dh2urdf_studio.page_data import PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -110,7 +110,6 @@ def read_whole(table: TableText, catalog: Catalog) -> Reading:
 
 
 def _located(problem: Problem, written: WrittenTable, table: TableText) -> CellProblem:
-    """A problem with the cell that it is about."""
     row, field = written.at(problem.mark)
     whole, _, part = (problem.field or "").partition(".")
     if whole in STATEMENTS:

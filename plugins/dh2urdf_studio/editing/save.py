@@ -69,13 +69,22 @@ def saved(table: TableText, kind: str, name: str, variant: str, catalog: Catalog
         case "other":
             return other_file(table, name, variant, catalog)
         case "robot":
-            return robot_file(table, name, variant, catalog)
+            # The bytes of `dh2urdf convert TABLE --to FORMAT` on standard output.
+            call = in_one_file(default_call(catalog, catalog.get("emitter", name)))
+            return _make(table, [call], variant, catalog)[0]
         case "run":
             return run_file(table, variant, catalog)
     files = all_files(table, variant, catalog)
     there = {Path(file.name).suffix for file in files}
     missing = tuple(suffix for suffix in other_suffixes(catalog) if suffix not in there)
-    return Saved(f"{Path(files[0].name).stem}.zip", zipped(files), missing=missing)
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            entry = zipfile.ZipInfo(file.name)  # dated 1980, as nothing else is always the same
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, file.content)
+    return Saved(f"{Path(files[0].name).stem}.zip", written.getvalue(), missing=missing)
 
 
 def table_file(table: TableText, format_name: str, catalog: Catalog) -> Saved:
@@ -124,12 +133,6 @@ def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     return [stage for stage in stages if isinstance(stage, Emitter) and not stage.can(WritesFolders)]
 
 
-def robot_file(table: TableText, format_name: str, variant: str, catalog: Catalog) -> Saved:
-    """The robot of a table as one file: the bytes of `dh2urdf convert TABLE --to FORMAT` on standard output."""
-    call = in_one_file(default_call(catalog, catalog.get("emitter", format_name)))
-    return _make(table, [call], variant, catalog)[0]
-
-
 def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog) -> Saved:
     """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix."""
     call = as_named(default_call(catalog, catalog.emitter_for(Path(f"arm{suffix}"))), Path(f"arm{suffix}"))
@@ -163,18 +166,6 @@ def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
         "",
     ]
     return Saved(f"{Path(name).stem}_run.yaml", "\n".join(lines).encode())
-
-
-def zipped(files: Sequence[Saved]) -> bytes:
-    """Files in a zip, the same bytes for the same files."""
-    written = io.BytesIO()
-    with zipfile.ZipFile(written, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in files:
-            entry = zipfile.ZipInfo(file.name)  # dated 1980, as nothing else is always the same
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, file.content)
-    return written.getvalue()
 
 
 def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog) -> list[Saved]:

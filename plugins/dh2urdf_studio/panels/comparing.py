@@ -41,7 +41,6 @@ class ComparingPanel(Panel):
     def __init__(
         self, session: Session, on_move: Callable[[], None], meshes: MeshStore, on_table: Callable[[TableText], None]
     ) -> None:
-        """Lay the panel out, hidden."""
         self._meshes, self._on_table = meshes, on_table
         self._files: comparing.GivenFiles | None = None
         self._figure: Figure | None = None
@@ -215,15 +214,13 @@ def _as_html(found: Beside, table: Manipulator, here: Sequence[Apart], digits: i
     """The differences as a table: now, and at the worst of the joint vectors that a proof takes."""
     names = [f"axis of {row.joint}" for row in table.moving_rows]
     tip = found.agreement.tip_link if found.agreement else ""
-    rows = "".join(
-        f"<tr><th scope='row'>{escape(name)}</th>{_cells(now, digits)}{_cells(worst, digits)}</tr>"
-        for name, now, worst in zip((*names, f"tool0 and {tip}"), here, found.worst, strict=True)
-    )
+    rows = ""
+    for name, *both in zip((*names, f"tool0 and {tip}"), here, found.worst, strict=True):
+        rows += f"<tr><th scope='row'>{escape(name)}</th>"
+        for apart in both:
+            kind = "" if max(apart) <= TOLERANCE else " class='studio-differs'"
+            distance = words.short(_MM.number(apart.distance), digits)
+            rows += f"<td{kind}>{distance}</td><td{kind}>{words.short(math.degrees(apart.angle), _DIGITS)}</td>"
+        rows += "</tr>"
     head = "".join(f"<th scope='col'>{name}</th>" for name in ("mm now", "° now", "mm at most", "° at most"))
     return f"<table class='studio-differences'><thead><tr><td></td>{head}</tr></thead><tbody>{rows}</tbody></table>"
-
-
-def _cells(apart: Apart, digits: int) -> str:
-    kind = "" if max(apart) <= TOLERANCE else " class='studio-differs'"
-    distance, angle = _MM.number(apart.distance), math.degrees(apart.angle)
-    return f"<td{kind}>{words.short(distance, digits)}</td><td{kind}>{words.short(angle, _DIGITS)}</td>"

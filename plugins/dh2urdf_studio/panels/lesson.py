@@ -11,9 +11,10 @@ from dh2urdf.kinematics.chain import dh_frames, dh_transform, joint_variables, r
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.quantities.units import UNITS
 from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
+from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.poses import TICK
 from dh2urdf_studio.widgets import Panel, row_of, small_button
-from dh2urdf_studio.words import PAGE, decimals, plain
+from dh2urdf_studio.words import decimals, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

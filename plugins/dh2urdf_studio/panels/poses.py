@@ -42,7 +42,6 @@ class PosesPanel(Panel):
         self._timer = ui.timer(TICK, self._go_on, active=False)
 
     def _show_arm(self, _: OpenArm) -> None:
-        """Show the poses that are stored."""
         session = self._session
         self._play.set_text("stop" if self._timer.active else "play")
         self._play.set_enabled(bool(session.poses))
@@ -109,7 +108,6 @@ class MeasuringPanel(Panel):
     NAME = "measuring"
 
     def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
-        """Lay the panel out, hidden."""
         self._tell = tell
         super().__init__(session, on_move)
 

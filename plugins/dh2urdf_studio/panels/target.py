@@ -46,7 +46,6 @@ class TargetPanel(Panel):
     ICON, TITLE, NAME = "ads_click", "set the pose of tool0", "the pose of tool0"
 
     def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
-        """Lay the panel out, hidden."""
         self._tell = tell
         self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
         self._boxes: dict[str, ui.input] = {}

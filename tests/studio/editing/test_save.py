@@ -32,7 +32,7 @@ def test_files_are_those_of_convert(
     table = gallery_table("ur5_paper.csv", catalog)
     saved = save.table_file(table, form, catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
-    made = save.robot_file(table, robot, variant, catalog)
+    made = save.saved(table, "robot", robot, variant, catalog)
     answer = cli("convert", saved.name, "--to", robot, "--variant", variant)
     assert made.content == answer.stdout.encode()
 
@@ -45,7 +45,7 @@ def test_decimal_commas_are_saved(catalog: Catalog, cli: Callable[..., Any], tmp
     table = TableText(name="arm", convention="standard", rows=(one, two))
     saved = save.table_file(table, form, catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
-    assert save.robot_file(table, "urdf", "exact", catalog).content == cli("convert", saved.name).stdout.encode()
+    assert save.saved(table, "robot", "urdf", "exact", catalog).content == cli("convert", saved.name).stdout.encode()
 
 
 @pytest.mark.parametrize("file", EXHIBITS)
@@ -54,7 +54,7 @@ def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callab
     table = gallery_table(file, catalog)
     saved = save.table_file(table, "csv", catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
-    made = save.robot_file(table, "urdf", "exact", catalog)
+    made = save.saved(table, "robot", "urdf", "exact", catalog)
     assert made.proof is not None
     assert made.proof.holds
     assert made.content == cli("convert", saved.name).stdout.encode()
@@ -64,9 +64,8 @@ def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callab
 def test_a_zip_of_all_runs(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
     """The run file of the zip makes the robot descriptions of the zip, byte by byte; a zip is always the same bytes."""
     table = replace(gallery_table("ur5.csv", catalog), name="my arm: 1")
-    files = save.all_files(table, "exact", catalog)
-    content = save.zipped(files)
-    assert content == save.zipped(save.all_files(table, "exact", catalog))
+    content = save.saved(table, "all", "", "exact", catalog).content
+    assert content == save.saved(table, "all", "", "exact", catalog).content
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         archive.extractall(tmp_path)
         names = archive.namelist()
@@ -98,7 +97,7 @@ def test_what_cannot_be_made(catalog: Catalog) -> None:
     with pytest.raises(InputError):
         save.table_file(ur5, "parquet", catalog)
     with pytest.raises(InputError, match="'wrong'"):
-        save.robot_file(edits.with_cells(ur5, {(1, "alpha"): "wrong"}), "urdf", "exact", catalog)
+        save.saved(edits.with_cells(ur5, {(1, "alpha"): "wrong"}), "robot", "urdf", "exact", catalog)
     with pytest.raises(InputError):
         save.all_files(edits.resized(ur5, 7), "exact", catalog)
     fixed = edits.with_cells(ur5, {(2, "type"): "fixed"})

@@ -153,8 +153,6 @@ def _no_header(above: Sequence[CellRow], whole: Mark) -> Problem:
     if not above:
         return say("no-rows", whole)
     first, advice = comment_text(above[0]), None
-    if ":" in first and first.partition(":")[0].strip().casefold() in STATEMENTS:
-        advice = f"write `# {first}`: what holds for all rows is in comment lines"
-    elif are_joints(headers_in(above[0])):
+    if are_joints(headers_in(above[0])):
         advice = TURN_ROUND
     return say("no-header", above[0].mark, field="columns", found=first, suggestion=advice)

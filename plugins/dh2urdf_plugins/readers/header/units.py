@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.columns import COM, INERTIA, ROW_FIELDS, SI_UNITS
+from dh2urdf.columns import COM, INERTIA, SI_UNITS
 from dh2urdf.quantities import Dimension, QuantityError, Symbols, Unit, accepted_units
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -40,11 +40,7 @@ _PLURAL[Dimension.INERTIA] = "moments of inertia"
 _RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
 """What has the unit of lengths or angles per second, where these have a sure one."""
 _OF_THE_JOINT = ("offset", "lower", "upper")
-_TENSOR, _EFFORTS = (
-    tuple(name for name, number in ROW_FIELDS.items() if number.dimension is dimension)
-    for dimension in (Dimension.INERTIA, Dimension.TORQUE)
-)
-_GROUPS = (*_GEOMETRY.values(), _OF_THE_JOINT, COM, _TENSOR, _EFFORTS)
+_GROUPS = (*_GEOMETRY.values(), _OF_THE_JOINT, COM, (*INERTIA, "armature"), ("effort", "friction"))
 """Columns that are beside each other, and are hardly in two units."""
 _MADE_OF = (
     (Dimension.INERTIA, Dimension.INERTIA, (Dimension.LENGTH, Dimension.MASS, *COM, "mass")),

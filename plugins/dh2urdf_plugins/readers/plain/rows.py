@@ -64,7 +64,9 @@ class PlainRows:
         others = set(range(len(columns.fields))) - {*self.column.values(), *columns.ignored}
         self.others = {index: set[str]() for index in sorted(others)}
         self.usable = self._is_usable(columns, units)
-        self.slides = all(_is_alike_where_it_slides(name, units) for name in self.column)
+        # A column that may be an angle in one row and a length in the next has to be in SI units in both.
+        in_si = all(unit.is_si for unit in (*units.known.values(), *units.columns.values()))
+        self.slides = in_si and not units.doubts and not any(FIELDS[name].linear for name in units.columns)
         self.numbers = {name: PlainNumbers(name, units) for name in _NUMBERS if name in self.column}
         self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE, **columns.types}  # "": a table without types
         self.names = set[tuple[tuple[str, ...], tuple[str, ...]]]()
@@ -193,16 +195,6 @@ class PlainRows:
 # --- What is in bounds ------------------------------------------------------------------------------------------------
 
 
-def _is_alike_where_it_slides(name: str, units: Units) -> bool:
-    """Whether a column that may be an angle in one row and a length in the next is in SI units in both."""
-    field = FIELDS[name]
-    if not field.linear:
-        return True
-    said = [units.unit_of(name, field.measures(slides=slides)) for slides in (False, True)]
-    in_doubt = name in units.columns or units.doubt(field.linear, name)
-    return not in_doubt and all(unit is None or unit.is_si for unit in said)
-
-
 def _are_plain_angles(values: Mapping[str, list[float]]) -> bool:
     """Whether all angles are of a size that needs no word, and none is nearly a quarter turn."""
     close = NEARLY * HALF_PI * FULL_TURN  # a few more than `meant_by` knows: no call for each
@@ -234,12 +226,9 @@ def _fit(values: Mapping[str, list[Any]], kinds: Sequence[JointType]) -> bool:
 
 def _count(cells: Sequence[str]) -> bool:
     """Whether cells without a header hold no number, or count all rows of the table one by one, as pandas does."""
-    if not any(is_number(text.strip(SPACES)) for text in cells):
-        return True
     if not all(text.isascii() and text.isdigit() for text in cells):
-        return False
-    first = int(cells[0])
-    return list(map(int, cells)) == list(range(first, first + len(cells)))
+        return not any(is_number(text.strip(SPACES)) for text in cells)
+    return list(map(int, cells)) == list(range(int(cells[0]), int(cells[0]) + len(cells)))
 
 
 # --- Rows in columns --------------------------------------------------------------------------------------------------

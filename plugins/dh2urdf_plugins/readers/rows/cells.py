@@ -39,8 +39,6 @@ class CellReader:
 
     def __init__(self, columns: Columns, reader: RowReader) -> None:
         self.columns, self.reader = columns, reader
-        self.symbols = reader.units.symbols
-        self.has_type = "type" in columns.fields
         headers = columns.headers
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
         self.left_out = set[int]()
@@ -63,14 +61,9 @@ class CellReader:
                 self._unknown(cell, index, number, cells)
                 continue
             if len(cell.text) > MAX_TEXT or "\n" in cell.text:
-                lines = {
-                    "count": f"{len(cell.text):,}",
-                    "most": f"{MAX_TEXT:,}",
-                    "start": shown(cell.text.partition("\n")[0]),
-                }
-                self._note(
-                    "cell-too-long" if len(cell.text) > MAX_TEXT else "cell-of-lines", cell, name, number, **lines
-                )
+                code = "cell-too-long" if len(cell.text) > MAX_TEXT else "cell-of-lines"
+                start = shown(cell.text.partition("\n")[0])
+                self._note(code, cell, name, number, count=len(cell.text), most=MAX_TEXT, start=start)
                 return None
             if name == "type" and (kind := columns.types.get(cell.text.casefold())):
                 cell = cell._replace(text=kind.value)
@@ -105,8 +98,8 @@ class CellReader:
         if field.dimension is None:
             text = unwrapped(text) if name in ("joint", "link", "robot") else plain_text(text)
         else:
-            decimal_comma = self.columns.decimal_comma
-            text, problem = self.symbols.take_cell(plain_text(text), cell.mark, decimal_comma=decimal_comma)
+            comma, symbols = self.columns.decimal_comma, self.reader.units.symbols
+            text, problem = symbols.take_cell(plain_text(text), cell.mark, decimal_comma=comma)
             if problem:
                 self.reader.add(problem)
             if isinstance(value, str):
@@ -138,7 +131,7 @@ class CellReader:
             return
         header, problem = self.columns.headers[index], None
         counts = is_number(cell.text) and self._counts(cell.text, index, number)
-        if not (self.has_type or cell.text.isdigit()):
+        if not ("type" in self.columns.fields or cell.text.isdigit()):
             cells[f"{LABEL}{header}"] = cell  # which may be its type
         if header and len(cell.text) <= MAX_TEXT and (refusal(header).any_text or not counts):
             problem = refused(cell, header, number)

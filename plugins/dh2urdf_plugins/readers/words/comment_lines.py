@@ -96,10 +96,8 @@ def is_open(line: str) -> bool:
 def without_marker(line: str) -> str:
     """A comment line with spaces in place of its marker: the header that is commented out, perhaps."""
     start = _start_of(line)
-    if start is None:
-        return line
-    before = start.end("quote")
-    return line[:before] + " " * (start.end() - before) + line[start.end() :]
+    before, end = (start.end("quote"), start.end()) if start else (0, 0)
+    return line[:before] + " " * (end - before) + line[end:]
 
 
 def as_typed(line: str, delimiter: str) -> list[str]:
@@ -113,9 +111,9 @@ def as_typed(line: str, delimiter: str) -> list[str]:
     if start["quote"] or delimiter in line[len(padded) :] or (delimiter != "," and _BRACKETS.intersection(typed)):
         cells = next(csv.reader([line.lstrip(SPACES + delimiter)], delimiter=delimiter), [])
         first = _start_of(cells[0]) if cells else None
-        if first is not None:
-            text = joined([cells[0][first.start("sign") :], *cells[1:]], decimal_comma=delimiter != ",")
-            typed = " " * at + text
+        if first:
+            parts = [cells[0][first.start("sign") :], *cells[1:]]
+            typed = " " * at + joined(parts, decimal_comma=delimiter != ",")
     return typed.split("\n")
 
 

@@ -6,6 +6,7 @@ the headers `joint, type, a, alpha, d` never needs it.
 
 from __future__ import annotations
 
+import re
 import tomllib
 import unicodedata
 from dataclasses import dataclass
@@ -235,10 +236,9 @@ def convention_of(text: str) -> Convention | None:
     known, both = _keys_for("conventions"), keys_in("around", "conventions")
     ends = keys_in("around", "after_convention")
     bare = next((key.removesuffix(word) for word in ends if key.endswith(word)), key)
-    words = "".join(letter if letter.isalnum() else " " for letter in text.casefold()).split()
+    words = re.findall(r"[^\W_]+", text.casefold())
     meant = {known.get(word) for word in map(key_of, words) if word not in both}
-    only = meant.pop() if len(meant) == 1 else None
-    named = known.get(key) or known.get(bare) or only
+    named = known.get(key) or known.get(bare) or (meant.pop() if len(meant) == 1 else None)
     return Convention(named) if named else None
 
 

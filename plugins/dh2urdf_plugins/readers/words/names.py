@@ -31,9 +31,7 @@ def name_fault(name: str) -> tuple[str, str] | None:
         return "the name is empty", accepted
     if len(name) > MAX_NAME:
         return f"the name {shown(name)} has {len(name)} characters", accepted
-    if name.isascii() and name.isprintable():
-        return None
-    for character in name:
+    for character in () if name.isascii() and name.isprintable() else name:
         kind = "no character" if character in "\ufffe\uffff" else _CLASSES.get(unicodedata.category(character))
         if kind and character not in _JOINERS:
             return f"the name {shown(name)} holds U+{ord(character):04X}, which is {kind}", accepted
@@ -59,7 +57,7 @@ def name_problems(rows: Sequence[RowNames]) -> list[Problem]:
 
     Links and joints share one set of names, with those that every description has.
     """
-    taken: dict[str, str] = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
+    taken = dict.fromkeys(RESERVED, "it is the name of a link that every robot description has")
     taken |= dict.fromkeys(added_joints(rows[-1].link), "it is the name of a joint that the description adds")
     names, problems = {name for row in rows for name in (row.joint, row.link)}, []
     for row in rows:

@@ -71,7 +71,6 @@ class Columns:
     silent: set[int] = field(default_factory=set)  # columns without a field, as long as they have held nothing
     modified: int | None = None  # the column whose header means the modified convention
     ignored: set[int] = field(default_factory=set)  # columns that their author wants to be left out
-    notices: list[Problem] = field(default_factory=list)
     numbers: frozenset[int] = frozenset()  # columns whose cells are numbers already, or all text
     as_written: bool = False  # whether names are as they are written, as in YAML
     of_theta: set[int] = field(default_factory=set)  # columns of limits that are called bounds of theta
@@ -136,14 +135,9 @@ def name_columns(header: CellRow, ignore: Collection[str] = (), convention: Conv
     read = [read_header(text) for text in headers]
     _settle_names(read)
     _settle_types(columns, read)
-    problems = _settle_khalil(columns, read, convention)
-    problems += _take_fields(columns, read)
-    problems += _links(columns, read)
-    if columns.ignored:
-        names = [shown(headers[index]) for index in sorted(columns.ignored)]
-        columns.notices.append(say("columns-ignored", columns.marks[min(columns.ignored)], names=names))
+    problems = _settle_khalil(columns, read, convention) + _take_fields(columns, read) + _links(columns, read)
     if problems:
-        raise TableError(problems, columns.notices)
+        raise TableError(problems)
     return columns
 
 

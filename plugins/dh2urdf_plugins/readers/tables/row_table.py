@@ -93,7 +93,7 @@ class RowTable:
         self.columns = columns = source.start(top.columns)
         self.statements, self.sentences, self.seen = Statements(), top.sentences, NameSet()
         self._define(top.comments, top.statements.get("symbols"))
-        self.notices: list[Problem] = [*columns.notices]
+        self.notices: list[Problem] = []
         self.name = self._state(top.statements, options) or name
         self.units = self.statements.units()
         place = {name: index for index, name in enumerate(columns.fields) if name}

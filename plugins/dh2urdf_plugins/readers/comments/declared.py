@@ -199,16 +199,12 @@ def said_in(comment: Comment) -> Sentence | None:
 @lru_cache(maxsize=1024)
 def _read(text: str) -> tuple[Convention | None, Mapping[str, str], str, bool]:
     spaced = re.sub(_CHINESE, r" \1 ", unicodedata.normalize("NFC", text)) if not text.isascii() else text
-    tokens = [part for token in re.findall(_TOKENS, spaced) for part in _split(token)]
+    found = re.findall(_TOKENS, spaced)  # `deg/s` is one unit, `mm/deg` are two
+    tokens = [part for token in found for part in ([token] if _unit(token) else re.split("(/)", token)) if part]
     letters = re.findall(_TYPES, text)
     types = letters[0].replace("-", "") if len(letters) == 1 else ""
     is_bare = all(_unit(token) or any(_is(name, token) for name in _DECLARING) for token in tokens if token.isalpha())
     return _convention(tokens), _units(tokens), types, is_bare
-
-
-def _split(token: str) -> list[str]:
-    """A token, or several: ``deg/s`` is one unit, ``mm/deg`` are two."""
-    return [token] if _unit(token) else [part for part in re.split("(/)", token) if part]
 
 
 def _is(section: str, token: str) -> bool:

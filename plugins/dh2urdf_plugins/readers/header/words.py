@@ -15,6 +15,7 @@ from dh2urdf_plugins.readers.words.fields import (
     FIELDS,
     IGNORED,
     Field,
+    any_of,
     header_fields,
     key_of,
     keys_in,
@@ -35,7 +36,6 @@ _FORMS = tuple(
 )
 _FOOTNOTE = r"(?<=[^\W\d_])\s*[¹²³⁰⁴-⁹†‡§]+(?=\s*(?:[\[({]|$))|(?<=[\])}])\s*[¹²³⁰⁴-⁹†‡§*]+$"
 _BRACKETED = r"(.*\S)\s*[\[({<]([^\[\](){}<>]*)[\])}>]"
-_BEFORE_UNIT = r"\s*[/|:;,]\s*|\s+(?:in|en|em|w|в)\s+|[\s_-]+|(?=°)"
 _INDEX = r"(.+?)([\s_\[{(]*)([ijkn])\s*((?:[-+]\s*[0-9a-z]|m1)?)[\]})* ]*"
 _TWO_NAMES = r"(.+?)[\s_.:-]+([^\s_.:-]+(?:_[ijkn](?:-1)?)?)"
 _SYMBOLS = frozenset(("a", "r", "alpha", "d", "theta", "b", "beta", "gamma", "sigma", "mu", "q"))
@@ -115,7 +115,8 @@ def _with_loose_unit(plain: str) -> Header:
     header = _named(plain)
     if header.is_known:
         return header
-    for match in re.compile(_BEFORE_UNIT).finditer(plain, max(0, len(plain) - _LONGEST_UNIT)):
+    between = re.compile(rf"\s*[/|:;,]\s*|\s+(?:{any_of('headers', 'before_unit')})\s+|[\s_-]+|(?=°)")
+    for match in between.finditer(plain, max(0, len(plain) - _LONGEST_UNIT)):
         front, tail = plain[: match.start()], plain[match.end() :]
         code = tail.replace("_per_", "/")
         forms = [form for form in (tail, code.replace("_", "/"), code.replace("_", "·")) if form and " " not in form]

@@ -7,13 +7,12 @@ two ways is refused.
 from __future__ import annotations
 
 import re
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import COM, INERTIA
 from dh2urdf.quantities import MAX_CHARACTERS, is_unit, is_zero
 from dh2urdf.source import Mark, Messages, Problem, shown
-from dh2urdf_plugins.readers.words.fields import vocabulary, words_in
+from dh2urdf_plugins.readers.words.fields import any_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,42 +69,30 @@ def split_cell(
 
 
 def _bounds(text: str, about: Mapping[str, Any], *, decimal_comma: bool) -> dict[str, str] | Problem:
-    inner, unit = _without_brackets(re.sub(rf"(?i)^(?:{_words('before_bounds')})\s+(?=[-+0-9])", "", text, count=1))
+    before, between = (any_of("rows", line) for line in ("before_bounds", "between_bounds"))
+    inner, unit = _without_brackets(re.sub(rf"(?i)^(?:{before})\s+(?=[-+0-9])", "", text, count=1))
+    pair = re.split(rf"{_TO}|\s+(?:{between})\s+", inner)
     if match := re.fullmatch(_PLUS_MINUS, inner):
         # Between commas a cell in quotes may have one, too; there three digits behind it may be thousands.
         size = re.sub("(?<=[0-9]),(?=[0-9])" if decimal_comma else _DECIMAL_COMMA, ".", match[1])
-        if re.search(r"[+±,;…~]|-|\.\.", size) or not re.search(r"[\w(]", size):  # `±∞`
-            return say("range-unclear", **about, text=shown(text))
-        return _both(f"-{match[1]}", match[1], unit)
-    pair = re.split(rf"{_TO}|\s+(?:{_words('between_bounds')})\s+", inner)
-    if len(pair) == 1 and (match := re.fullmatch(_SPACED, inner)):
+        is_one = re.search(r"[\w(]", size) and not re.search(r"[+±,;…~]|-|\.\.", size)  # and no `±∞`
+        pair = [f"-{match[1]}", match[1]] if is_one else []
+    elif len(pair) == 1 and (match := re.fullmatch(_SPACED, inner)):
         pair = [match[1], match[2]]
-    if len(pair) == 1 and (match := re.fullmatch(_PAIR, inner)):
+    elif len(pair) == 1 and (match := re.fullmatch(_PAIR, inner)):
         pair = [match[1].strip(), match[3].strip()]
-        signed = pair[0].startswith("-") or pair[1].startswith("+")
-        if match[2].isspace() and not signed:  # `10 20`
-            return say("range-unclear", **about, text=shown(text))
         if match[2] == "/" and pair[0][:1].isdigit() and pair[1][:1].isdigit() and pair[0].strip("0.,"):
             return say("range-or-travel", **about, text=shown(text), lower=pair[0], upper=pair[1])
-    if len(pair) == 1 and re.search("[,;|]", inner):
+        if match[2].isspace() and not (pair[0].startswith("-") or pair[1].startswith("+")):  # `10 20`
+            pair = []
+    elif len(pair) == 1 and re.search("[,;|]", inner):
         pair = _items(inner, decimal_comma=decimal_comma)
     if len(pair) != len(("lower", "upper")) or not all(item.strip() for item in pair):
         return say("range-unclear", **about, text=shown(text))
     lower, upper = (item.strip() for item in pair)
     if lower.startswith("+") and upper.startswith("-"):
         lower, upper = upper, lower  # `+170/-170`, as makers write it
-    return _both(lower, upper, unit)
-
-
-@cache
-def _words(line: str) -> str:
-    """A pattern of the words of a line of the vocabulary."""
-    return "|".join(words_in(vocabulary()["rows"][line]))
-
-
-def _both(lower: str, upper: str, unit: str | None) -> dict[str, str]:
-    """Two bounds, of which one may name the unit of both."""
-    of_lower, of_upper = unit_at_end(lower), unit_at_end(upper)
+    of_lower, of_upper = unit_at_end(lower), unit_at_end(upper)  # of which one may be that of both
     return {"lower": _with_unit(lower, unit or of_upper), "upper": _with_unit(upper, unit or of_lower)}
 
 

@@ -73,6 +73,12 @@ def keys_in(section: str, name: str) -> frozenset[str]:
 
 
 @cache
+def any_of(section: str, name: str) -> str:
+    """A pattern of the words of one line, as they are written."""
+    return "|".join(map(re.escape, words_in(vocabulary()[section][name])))
+
+
+@cache
 def words_for(section: str) -> dict[str, str]:
     """The words of a section in all languages, with what each means: ``hinge`` of `types` is ``revolute``."""
     lines = ((kind, line) for kind, entry in vocabulary()[section].items() for line in entry.values())

@@ -27,7 +27,7 @@ from dh2urdf.stages import Annotates, Annotation, Expansion, ReadsDescriptions
 from dh2urdf.table_text.texts import table_text, transform_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
     from pathlib import Path
 
     from dh2urdf.commands.extract import Chains
@@ -58,18 +58,14 @@ _LENGTHS, _ANGLES = click.Choice(("m", "cm", "mm")), click.Choice(("rad", "deg")
 @shared.set_option("Any other option of the reader.")
 @shared.quiet_option
 @shared.without_option
-def extract(  # noqa: PLR0917 - click hands everything over by name
+def extract(
     words: tuple[str, ...],
     output: Path | None,
     convention: str | None,
-    lists_tips: bool,  # noqa: FBT001 - click hands flags over so
-    length_unit: str,
-    angle_unit: str,
-    reader_name: str | None,
-    package_paths: tuple[Path, ...],
-    settings: tuple[str, ...],
-    quiet: bool,  # noqa: FBT001
-    **flags: str | None,
+    *,
+    lists_tips: bool,
+    quiet: bool,
+    **flags: Any,  # noqa: ANN401 - of several options
 ) -> int:
     """Print the DH table of ROBOT, a URDF, xacro, SDF or MJCF of any origin, or write it; `-` is standard input.
 
@@ -92,16 +88,17 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
     """
     installed = shared.catalog()
     robot, arguments = shared.one_file_and_arguments(words)
-    robot, reader_name = shared.given_table(robot, reader_name, installed)
+    robot, reader = shared.given_table(robot, flags["reader_name"], installed)
     given = shared.given_options(flags).get("reader", {})
     if arguments:
         given["arguments"] = json.dumps(arguments)
-    if package_paths:
-        given["package_paths"] = json.dumps([str(path) for path in package_paths])
+    if paths := flags["package_paths"]:
+        given["package_paths"] = json.dumps([str(path) for path in paths])
+    units = {name: flags[name] for name in ("length_unit", "angle_unit")}
 
     def call(chosen: str | None = convention) -> Call[Reader[Any]]:
-        options: Mapping[str, str | None] = {**given, "convention": chosen}
-        return description_reader(installed, robot, COMMAND_LINE, reader=reader_name, given=options, settings=settings)
+        about: Any = {"reader": reader, "given": {**given, "convention": chosen}, "settings": flags["settings"]}
+        return description_reader(installed, robot, COMMAND_LINE, **about)
 
     if lists_tips:
         if output is not None:
@@ -111,7 +108,6 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
         return 0
     if output is not None:
         chains = chains_of(call(), robot)
-        units = {"length_unit": length_unit, "angle_unit": angle_unit}
         lost = write_extracted(chains.arms, output, installed, inputs=shared.files_behind([robot]), **units)
         if not quiet:
             print_notices([*(notice for arm in chains.arms for notice in arm.notices), *lost])
@@ -122,8 +118,7 @@ def extract(  # noqa: PLR0917 - click hands everything over by name
     both = [chains_of(call(each), robot) for each in ([convention] if convention else list(Convention))]
     if not quiet:
         print_notices(list(dict.fromkeys(notice for chains in both for arm in chains.arms for notice in arm.notices)))
-    blocks = _blocks(both, length_unit, angle_unit)
-    answer("\n\n".join("\n".join(map(printable, block)) for block in blocks))
+    answer("\n\n".join("\n".join(map(printable, block)) for block in _blocks(both, **units)))
     return _print_refused(both)
 
 
@@ -180,13 +175,14 @@ def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]
 @shared.set_option("Any other option of the emitter.")
 @shared.quiet_option
 @shared.without_option
-def collisions(  # noqa: PLR0917 - click hands everything over by name
+def collisions(
     words: tuple[str, ...],
     output: Path | None,
     earlier: Path | None,
     package_paths: tuple[Path, ...],
     settings: tuple[str, ...],
-    quiet: bool,  # noqa: FBT001 - click hands flags over so
+    *,
+    quiet: bool,
     **flags: str | None,
 ) -> int:
     """Find the pairs of links of ROBOT, a URDF or xacro of any origin, whose collisions need no check, for MoveIt.

@@ -35,15 +35,7 @@ if TYPE_CHECKING:
 @click.option("--markdown", "form", flag_value="markdown", help="Print it as Markdown.")
 @click.option("--cells", is_flag=True, help="A line for each field: its value, as typed, its unit, and the cell.")
 @shared.without_option
-def command(  # noqa: PLR0917 - click hands everything over by name
-    table: Path,
-    reader_name: str | None,
-    robot: str | None,
-    settings: tuple[str, ...],
-    form: str | None,
-    cells: bool,  # noqa: FBT001 - click hands flags over so
-    **flags: str | None,
-) -> int:
+def command(table: Path, *, form: str | None, cells: bool, **flags: Any) -> int:  # noqa: ANN401 - of several options
     """Print what is understood of TABLE: as a paper prints it, a row for each joint, in m and rad.
 
     What TABLE does not say is marked with a star. With --cells there is a line for each field: its value, as it is
@@ -60,9 +52,10 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     dh2urdf info arms.xlsx --set sheet=Left
     """
     installed = shared.catalog()
-    path, reader = shared.given_table(table, reader_name, installed)
-    call = reader_call(installed, path, reader, COMMAND_LINE, shared.given_options(flags), settings=settings)
-    arms, chosen, trace = _read(call, path, robot)
+    path, reader = shared.given_table(table, flags["reader_name"], installed)
+    given, settings = shared.given_options(flags), flags["settings"]
+    call = reader_call(installed, path, reader, COMMAND_LINE, given, settings=settings)
+    arms, chosen, trace = _read(call, path, flags["robot"])
     detail = None
     if chosen is not None:  # with what the default transform makes of it
         known = trace if call.stage.can(Traces) else None

@@ -21,20 +21,19 @@ say = Messages(__file__)
 def inspect(
     catalog: Catalog,
     file: Path,
-    format_name: str | None,
+    name: str | None,
     choice: str,
     expansion: Expansion | None = None,
     *,
     ask: bool = False,
 ) -> Inspection:
     """The findings of the emitter of a file's format, which its suffix names where nothing else does, by a `choice`."""
-    emitter = emitter_of(catalog, file, format_name, choice)
+    emitter = emitter_of(catalog, file, name, choice)
     checks = emitter.can(Checks)
     if checks is None:
         able = [item.stage.name for item in catalog.provided("emitter") if item.stage.can(Checks)]
-        raise ConfigError(
-            say("format-unchecked", Mark(file=str(file)), format=emitter.name, formats=able, option=choice)
-        )
+        mark = Mark(file=str(file))
+        raise ConfigError(say("format-unchecked", mark, format=emitter.name, formats=able, option=choice))
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "check"):
         expansion = expansion or Expansion()
         unused = expansion.arguments if checks.finds_packages else expansion != Expansion()
@@ -46,11 +45,9 @@ def inspect(
         return found
 
 
-def emitter_of(catalog: Catalog, file: Path, format_name: str | None, choice: str) -> Emitter[Any]:
+def emitter_of(catalog: Catalog, file: Path, name: str | None, choice: str) -> Emitter[Any]:
     """The emitter of a format, or that of a file's suffix."""
-    return (
-        catalog.get("emitter", format_name) if format_name else catalog.emitter_for(file, f"{choice} says what it is")
-    )
+    return catalog.get("emitter", name) if name else catalog.emitter_for(file, f"{choice} says what it is")
 
 
 def has_macros(emitter: Stage) -> bool:

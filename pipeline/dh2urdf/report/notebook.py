@@ -78,12 +78,7 @@ def robot_html(robot: Robot) -> str:
 
 
 def _html(  # noqa: PLR0917 - what there is to show
-    what: Manipulator | Robot,
-    facts: Sequence[str],
-    head: Sequence[str],
-    words: int,
-    rows: Sequence[Sequence[str]],
-    count: int,
+    what: Manipulator | Robot, facts: list[str], head: Sequence[str], words: int, rows: list[list[str]], count: int
 ) -> str:
     """Facts, a drawing, and a table of so many rows; its first columns are words, the others numbers."""
     kinds = ["" if number < words else ' class="n"' for number in range(len(head))]

@@ -127,22 +127,24 @@ class FailureIndex:
 
     def __init__(self) -> None:
         self._statuses: Counter[str] = Counter()
-        self._kinds: Counter[str] = Counter()
-        self._names: dict[str, list[str]] = {}
-        self._reasons: dict[str, dict[str, dict[str, Any]]] = {}
+        self._failures: dict[str, dict[str, Any]] = {}
 
     def add(self, row: ManipulatorEntry) -> None:
         """Take one row of the manifest."""
         self._statuses[row["status"]] += 1
         if row["status"] != "failed":
             return
-        message, kind = row["errors"][0]["message"] if row["errors"] else "", row["kind"] or ""
-        self._kinds[kind] += 1
-        if len(names := self._names.setdefault(kind, [])) < MAX_NAMES:
-            names.append(row["name"])
-        reasons, reason = self._reasons.setdefault(kind, {}), pattern(message)
+        none: dict[str, Any] = {"count": 0, "reasons": {}, "other_reasons": 0, "names": []}
+        found = self._failures.setdefault(row["kind"] or "", none)
+        found["count"] += 1
+        if found["count"] <= MAX_NAMES:
+            found["names"].append(row["name"])
+        message = row["errors"][0]["message"] if row["errors"] else ""
+        reason, reasons = pattern(message), found["reasons"]
         if reason in reasons or len(reasons) < MAX_REASONS:
             reasons.setdefault(reason, {"count": 0, "pattern": reason, "example": message})["count"] += 1
+        else:
+            found["other_reasons"] += 1
 
     def as_json(self) -> dict[str, Any]:
         """Return the index as plain data, the commonest kinds and reasons first.
@@ -159,17 +161,12 @@ class FailureIndex:
                 "other_reasons": 0,                   manipulators with reasons beyond these
                 "names": ["robot_17", …]}, …}}        at most 1,000, in the order of the run
         """
-        failures = {}
-        for kind, count in self._kinds.most_common():
-            reasons = sorted(self._reasons[kind].values(), key=lambda reason: -reason["count"])
-            others = count - sum(reason["count"] for reason in reasons)
-            failures[kind] = {"count": count, "reasons": reasons, "other_reasons": others, "names": self._names[kind]}
-        counts = {
-            "manipulators": self._statuses.total(),
-            "ok": self._statuses["ok"],
-            "failed": self._statuses["failed"],
+        failures = {
+            kind: {**found, "reasons": sorted(found["reasons"].values(), key=lambda reason: -reason["count"])}
+            for kind, found in sorted(self._failures.items(), key=lambda item: -item[1]["count"])
         }
-        return {**counts, "failures": failures}
+        counts = {status: self._statuses[status] for status in ("ok", "failed")}
+        return {"manipulators": self._statuses.total(), **counts, "failures": failures}
 
 
 def pattern(message: str) -> str:

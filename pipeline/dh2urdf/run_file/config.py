@@ -29,14 +29,6 @@ from dh2urdf.run_file import sections as keys
 from dh2urdf.run_file.cell_section import read_cells
 from dh2urdf.run_file.mesh_section import MeshCall, read_meshes
 from dh2urdf.run_file.reading import Reading, with_setting
-from dh2urdf.run_file.sections import (
-    DEFAULT_SAMPLE,
-    DEFAULT_TIME_LIMIT,
-    SECTIONS,
-    ProofSection,
-    ReportSection,
-    written_out,
-)
 from dh2urdf.run_file.variation_section import read_variations
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, in_file_order
 from dh2urdf.variations.variation import VariationCall
@@ -60,7 +52,7 @@ class StageCall:
     options: Node | None = None
     mark: Mark | None = None
     optional: bool = False  # of a loader: whether what it refuses is a notice and fails nothing
-    time_limit: float = DEFAULT_TIME_LIMIT  # of an executor: for one manipulator, simulators aside [s]
+    time_limit: float = keys.DEFAULT_TIME_LIMIT  # of an executor: for one manipulator, simulators aside [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,9 +88,9 @@ class RunConfig:
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()
-    proof: ProofSection = ProofSection()
-    sample: Sample = DEFAULT_SAMPLE
-    report: ReportSection = ReportSection()
+    proof: keys.ProofSection = keys.ProofSection()
+    sample: Sample = keys.DEFAULT_SAMPLE
+    report: keys.ReportSection = keys.ReportSection()
     report_directory: Path | str | None = None  # where report, manifest and index go
     folder: Path = Path()  # the folder of the run file, which paths in options of stages are relative to
     problems: tuple[Problem, ...] = ()  # what is wrong with the file; nothing may start while there is any
@@ -114,7 +106,7 @@ def is_run_file(path: Path) -> bool:
         root = load_yaml(read_bytes(path, limit=LIKELY_BYTES), str(path))
     except ConfigError:
         return False
-    return isinstance(root.value, dict) and not root.value.keys().isdisjoint(SECTIONS)
+    return isinstance(root.value, dict) and not root.value.keys().isdisjoint(keys.SECTIONS)
 
 
 def refuse_table(path: Path, catalog: Catalog) -> None:
@@ -140,15 +132,15 @@ def load_config(
     """
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
-    if names and not any(get_close_matches(name, SECTIONS, cutoff=0.75) for name in names):
-        raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=SECTIONS))
+    if names and not any(get_close_matches(name, keys.SECTIONS, cutoff=0.75) for name in names):
+        raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=keys.SECTIONS))
     to = Reading(folder=path.parent, changes=mark.file)
     for setting in overrides:
         try:
-            root = with_setting(written_out(root), setting, tuple(SECTIONS), mark)
+            root = with_setting(keys.written_out(root), setting, tuple(keys.SECTIONS), mark)
         except ConfigError as error:
             to.problems.extend(error.problems)
-    config = _config(written_out(root, deep=True), to)
+    config = _config(keys.written_out(root, deep=True), to)
     directory = config.output.directory or path.parent / "build" / path.stem
     return replace(config.written_to(directory), folder=path.parent, problems=tuple(in_file_order(to.problems)))
 
@@ -157,15 +149,15 @@ def _config(root: Node, to: Reading) -> RunConfig:
     """The records of all sections, which are written out; a section that is wrong has its defaults."""
     given = expect_mapping(root, "a run file")
     entries = {
-        name: [(entry, f"{name}.{index}") for index, entry in enumerate(root.entries(name))] for name in SECTIONS
+        name: [(entry, f"{name}.{index}") for index, entry in enumerate(root.entries(name))] for name in keys.SECTIONS
     }
 
     def stages(section: str, kind: type[Any]) -> tuple[StageCall, ...]:
         calls = [_stage(kind, node, field, to) for node, field in entries[section]]
         return tuple([call for call in calls if call])
 
-    unknown = [name for name in given if name not in SECTIONS]
-    to.problems += [unknown_key(root, name, SECTIONS, "a run file", "key") for name in unknown]
+    unknown = [name for name in given if name not in keys.SECTIONS]
+    to.problems += [unknown_key(root, name, keys.SECTIONS, "a run file", "key") for name in unknown]
     inputs = [_input(node, field, to) for node, field in entries["inputs"]]
     if not inputs and not any(did_you_mean(name, ["inputs"]) for name in unknown):
         to.note("no-inputs", given["inputs"], "inputs")
@@ -183,9 +175,9 @@ def _config(root: Node, to: Reading) -> RunConfig:
         cells=read_cells(entries["cells"], to),
         variations=read_variations(entries["variations"], to),
         meshes=read_meshes(entries["meshes"], to),
-        proof=to.record(ProofSection, given["proof"], "proof") or ProofSection(),
+        proof=to.record(keys.ProofSection, given["proof"], "proof") or keys.ProofSection(),
         sample=Sample(first=sample.first, every=sample.every),
-        report=to.record(ReportSection, given["report"], "report") or ReportSection(),
+        report=to.record(keys.ReportSection, given["report"], "report") or keys.ReportSection(),
         report_directory=to.directory(given["report"].entry("directory"), "report.directory"),
     )
 

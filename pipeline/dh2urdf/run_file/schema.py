@@ -17,16 +17,7 @@ from dh2urdf.plugin_system.catalog import KINDS
 from dh2urdf.plugin_system.option_types import keys_of, members, records_of
 from dh2urdf.plugin_system.validator import adapter_of
 from dh2urdf.results import DIALECT
-from dh2urdf.run_file.sections import (
-    NUMBER,
-    RULE_ALSO,
-    SECTIONS,
-    SHORT_FORMS,
-    NormalSection,
-    RuleSection,
-    RunFile,
-    SpacedSection,
-)
+from dh2urdf.run_file import sections as keys
 from dh2urdf.source import Messages
 from dh2urdf.stages import HasSchema
 
@@ -56,7 +47,7 @@ def run_schema(catalog: Catalog) -> JsonSchema:
         named = stage_names(catalog, kind)
         for item in catalog.provided(kind):
             options |= _options_schemas(item, f"{kind}.{named[item.full_name][0]}")
-    schema = section_schema(RunFile)
+    schema = section_schema(keys.RunFile)
     sections = schema["properties"]
     for section, kind in KIND_OF.items():
         entry = sections[section]["anyOf"][0]
@@ -101,15 +92,15 @@ def section_schema(kind: type[Any]) -> JsonSchema:
             properties[name]["default"] = getattr(default, "value", default)
         if key.measures:
             _take_texts(properties[name])
-    if kind is RuleSection:
+    if kind is keys.RuleSection:
         told = {"description": properties["grid"].pop("description")}
-        spaced = {"anyOf": [properties["grid"], section_schema(SpacedSection)], **told}
-        properties |= {"grid": spaced, "normal": properties["normal"] | section_schema(NormalSection)}
+        spaced = {"anyOf": [properties["grid"], section_schema(keys.SpacedSection)], **told}
+        properties |= {"grid": spaced, "normal": properties["normal"] | section_schema(keys.NormalSection)}
     mapping: JsonSchema = {"type": "object", "properties": properties, "additionalProperties": False}
     if needed := [name for name, key in keys_of(kind).items() if key.is_needed]:
         mapping["required"] = needed
-    mapping |= RULE_ALSO if kind is RuleSection else {}
-    return {"anyOf": [properties[SHORT_FORMS[kind]], mapping]} if kind in SHORT_FORMS else mapping
+    mapping |= keys.RULE_ALSO if kind is keys.RuleSection else {}
+    return {"anyOf": [properties[keys.SHORT_FORMS[kind]], mapping]} if kind in keys.SHORT_FORMS else mapping
 
 
 def _value(hint: Any) -> JsonSchema:  # noqa: ANN401 - a type
@@ -139,7 +130,7 @@ def _add_stages(forms: list[JsonSchema], section: str, kind: Kind, catalog: Cata
     own = call["properties"]["stage"].get("description") if kind == "reader" else None
     # An editor proposes the short names first.
     names = sorted({name for names in named.values() for name in names}, key=lambda name: (":" in name, name))
-    call["properties"]["stage"] = stage = {"enum": names, "description": own or SECTIONS[section].help}
+    call["properties"]["stage"] = stage = {"enum": names, "description": own or keys.SECTIONS[section].help}
     is_needed = {"required": ["stage"]}
     usual = None if kind == "reader" or "required" in call else usual_name(catalog, kind)
     conditions: list[JsonSchema] = []
@@ -205,7 +196,7 @@ def _options_schemas(item: Provided, name: str) -> JsonSchema:
 def _take_texts(schema: JsonSchema) -> None:
     """Let what takes a number take the text of an expression with units, too."""
     if schema.get("type") == "number":
-        schema |= NUMBER
+        schema |= keys.NUMBER
     for part in (*schema.get("anyOf", ()), *schema.get("prefixItems", ()), schema.get("items")):
         if isinstance(part, dict):
             _take_texts(part)

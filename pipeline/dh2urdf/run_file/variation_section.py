@@ -13,19 +13,8 @@ from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
 from dh2urdf.source import Messages, did_you_mean
+from dh2urdf.variations import laws
 from dh2urdf.variations.binding import LEAST_PROBABILITY
-from dh2urdf.variations.laws import (
-    Choices,
-    DrawnValue,
-    Grid,
-    Law,
-    LogUniform,
-    Normal,
-    Offset,
-    Scale,
-    Uniform,
-    evenly_spaced,
-)
 from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Rule, VariationCall
 
 if TYPE_CHECKING:
@@ -37,11 +26,11 @@ say = Messages(__file__)
 
 T = TypeVar("T")
 WORD_LAWS = ("choices", "grid")
-_RANGES: dict[str, type[Uniform | LogUniform | Scale | Offset]] = {
-    "uniform": Uniform,
-    "log-uniform": LogUniform,
-    "scale": Scale,
-    "offset": Offset,
+_RANGES: dict[str, type[laws.Uniform | laws.LogUniform | laws.Scale | laws.Offset]] = {
+    "uniform": laws.Uniform,
+    "log-uniform": laws.LogUniform,
+    "scale": laws.Scale,
+    "offset": laws.Offset,
 }
 JOINT_TYPES = tuple(kind.value for kind in JointType)
 ACCEPTED_JOINTS = "all, a joint's number from 1 or its name, or a list of these"
@@ -63,15 +52,15 @@ class _LawReader:
     def _wrong(self, code: str, node: Node, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
         return ConfigError(say(code, node.mark, field=self._field, found=node.text, **values))
 
-    def read(self, law: str, node: Node) -> Law:
+    def read(self, law: str, node: Node) -> laws.Law:
         """The law."""
         spaced = law == "grid" and isinstance(node.value, dict)
         if self._about.dimension is None and (spaced or law not in WORD_LAWS):
             raise self._wrong("law-not-of-words", node, what=self._what, law=law, laws=" or ".join(WORD_LAWS))
         if kind := _RANGES.get(law):
-            bounded = kind in (Uniform, LogUniform)
-            low, high = self._ends(node, Dimension.NUMBER if kind is Scale else None, bounded=bounded)
-            if kind is LogUniform and low <= 0.0:
+            bounded = kind in (laws.Uniform, laws.LogUniform)
+            low, high = self._ends(node, Dimension.NUMBER if kind is laws.Scale else None, bounded=bounded)
+            if kind is laws.LogUniform and low <= 0.0:
                 raise self._wrong("log-uniform-below-0", node)
             return kind(low=low, high=high)
         if law == "normal":
@@ -79,14 +68,14 @@ class _LawReader:
         if spaced:
             given = self._record(SpacedSection, node)
             low, high = (self._check(end, self._number(end)) for end in map(node.entry, ("from", "to")) if end)
-            return Grid(values=evenly_spaced(low, high, given.points))
+            return laws.Grid(values=laws.evenly_spaced(low, high, given.points))
         if not isinstance(node.value, list) or not node.value:
             accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
             raise self._wrong("value-of-other-kind", node, whose="a run file", kind=node.describe(), accepted=accepted)
         values = tuple([self._value(entry) for entry in node.value])
-        return Grid(values=values) if law == "grid" else Choices(values=values)
+        return laws.Grid(values=values) if law == "grid" else laws.Choices(values=values)
 
-    def _value(self, node: Node) -> DrawnValue:
+    def _value(self, node: Node) -> laws.DrawnValue:
         if self._what == TYPE:
             if node.text not in JOINT_TYPES:
                 near = did_you_mean(node.text or "", JOINT_TYPES)
@@ -116,14 +105,14 @@ class _LawReader:
             self._check(node, end)
         return low, high
 
-    def _normal(self, node: Node) -> Law:
+    def _normal(self, node: Node) -> laws.Law:
         self._record(NormalSection, node)
         mean_node, width_node, bounds = (node.entry(key) for key in ("mean", "deviation", "bounds"))
         mean = self._number(mean_node) if mean_node else None
         deviation, (low, high) = self._number(width_node or node), self._ends(bounds or node)
         if deviation <= 0.0:
             raise self._wrong("deviation-not-above-0", width_node or node)
-        law = Normal(mean=mean, deviation=deviation, low=low, high=high)
+        law = laws.Normal(mean=mean, deviation=deviation, low=low, high=high)
         if mean is not None and law.probability() < LEAST_PROBABILITY:
             raise self._wrong("bounds-leave-nothing", bounds or node)
         return law
@@ -170,7 +159,8 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
     for index, entry in enumerate(node.entries("vary")):
         with to.noting(entry, f"{field}.vary.{index}"):
             rules.append(_rule(given.vary[index].field, entry))
-    if len(rules) == len(given.vary) and given.count is None and not any(isinstance(each.law, Grid) for each in rules):
+    has_grid = any(isinstance(each.law, laws.Grid) for each in rules)
+    if len(rules) == len(given.vary) and given.count is None and not has_grid:
         to.note("variants-uncounted", node, f"{field}.count")
     count = node.entry("count")
     return VariationCall(
@@ -189,20 +179,20 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
 def _rule(field: str, node: Node) -> Rule:
     """A rule whose keys are known, of a field."""
     joints = node.entry("joints")
-    laws = [(name, values) for name in LAWS if (values := node.entry(name))]
+    found = [(name, values) for name in LAWS if (values := node.entry(name))]
     problems = []
     if field == AXES and joints is not None:
         problems.append(say("axes-of-a-joint", field="joints"))
     elif field != AXES and joints is None:
         problems.append(say("vary-without-joints", field="joints", mark=node.mark, accepted=ACCEPTED_JOINTS))
-    if len(laws) != 1:
-        found = ", ".join(name for name, _ in laws) or None
-        code = "vary-two-ways" if laws else "vary-no-way"
-        problems.append(say(code, found=found, count=len(laws), laws=list(LAWS)))
+    if len(found) != 1:
+        names = ", ".join(name for name, _ in found) or None
+        code = "vary-two-ways" if found else "vary-no-way"
+        problems.append(say(code, found=names, count=len(found), laws=list(LAWS)))
     if problems:
         raise ConfigError(problems)
     named = None if joints is None or (joints.value == ALL and not joints.quoted) else _named_joints(joints)
-    ((name, values),) = laws
+    ((name, values),) = found
     reader = _LawReader(field, name)
     return Rule(
         field=field,

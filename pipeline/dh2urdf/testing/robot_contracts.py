@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 from xml.parsers.expat import ParserCreate
 
+from dh2urdf import stages
 from dh2urdf.columns import RobotColumns, in_columns, member, stacked
 from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import Dh2UrdfError, EditError, EmitterError, TransformError
@@ -21,17 +22,6 @@ from dh2urdf.plugin_system.calls import a_record, emitted_files
 from dh2urdf.robot import Box, Robot, Sphere, Visual
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import DividedError
-from dh2urdf.stages import (
-    Checks,
-    EditsInColumns,
-    EmitsInColumns,
-    EmittedFile,
-    Expansion,
-    ReadsBack,
-    ReadsForeign,
-    TransformsInColumns,
-    WritesFolders,
-)
 from dh2urdf.testing.oracle import gap, robot_pose, table_pose
 from dh2urdf.testing.reference import plain_robot, reference_manipulators
 from dh2urdf.testing.stage_contract import Calls, InputContract, clause, difference
@@ -108,7 +98,7 @@ class TransformContract(_ArmContract):
     @clause
     def test_many_at_once_are_the_same(self) -> Found:
         """Where it makes many robots at once, their numbers are to the last bit those that it makes one by one."""
-        if not (its := self.stage.can(TransformsInColumns)):
+        if not (its := self.stage.can(stages.TransformsInColumns)):
             return
         for manipulator in self.arms():
             ((_, columns),) = in_columns(stretched(manipulator))
@@ -163,7 +153,7 @@ class EditContract(_ArmContract):
     @clause
     def test_many_at_once_are_the_same(self) -> Found:
         """Where it accepts columns, it makes of many arms at once, to the last bit, what it makes of each alone."""
-        for manipulator in self.arms() if self.stage.can(EditsInColumns) else ():
+        for manipulator in self.arms() if self.stage.can(stages.EditsInColumns) else ():
             for function, arms in self._work(stretched(manipulator)):
                 try:
                     many = function(stacked(arms), self.given())
@@ -208,17 +198,17 @@ class EmitterContract(InputContract):
         broken = [folder / f"broken_{number}{(*self.stage.suffixes, '')[0]}" for number in range(len(_UNREADABLE))]
         for path, content in zip(broken, _UNREADABLE, strict=True):
             path.write_bytes(content)
-        if back := self.stage.can(ReadsBack):
+        if back := self.stage.can(stages.ReadsBack):
             yield Calls(back.read_back, (), [], broken, (Dh2UrdfError,))
-        if foreign := self.stage.can(ReadsForeign):
-            yield Calls(foreign.read_foreign, (Expansion(),), [], broken, (Dh2UrdfError,))
-        if checks := self.stage.can(Checks):
-            yield Calls(checks.check, (Expansion(),), [], broken, (Dh2UrdfError,))
+        if foreign := self.stage.can(stages.ReadsForeign):
+            yield Calls(foreign.read_foreign, (stages.Expansion(),), [], broken, (Dh2UrdfError,))
+        if checks := self.stage.can(stages.Checks):
+            yield Calls(checks.check, (stages.Expansion(),), [], broken, (Dh2UrdfError,))
 
     @clause
     def test_files_have_plain_names_and_content(self) -> Found:
         """It gives files: the stem and an ending of its record as names, content in bytes, the main file first."""
-        in_folders = self.stage.can(WritesFolders) is not None
+        in_folders = self.stage.can(stages.WritesFolders) is not None
         endings = {ending.casefold() for ending in self.stage.endings}
         for given in map(self._emit, self._robots()):
             if not isinstance(given, (list, tuple)):  # A generator could be gone through but once.
@@ -248,7 +238,7 @@ class EmitterContract(InputContract):
     @clause
     def test_reads_back_the_same_arm(self, tmp_path: Path) -> Found:
         """Where it reads its files back, T(q) is that of the robot, by code that the pipeline does not share."""
-        if not (reads := self.stage.can(ReadsBack)):
+        if not (reads := self.stage.can(stages.ReadsBack)):
             return  # A format that holds no kinematics, such as a data sheet.
         for manipulator in reference_manipulators():
             robot, expected = plain_robot(manipulator), ExpectedPoses.of(manipulator)
@@ -261,10 +251,10 @@ class EmitterContract(InputContract):
     @clause
     def test_finds_no_fault_in_its_own_files(self, tmp_path: Path) -> Found:
         """Where it checks files, some consumer takes those that it writes without an error."""
-        if not (checks := self.stage.can(Checks)):
+        if not (checks := self.stage.can(stages.Checks)):
             return
         for robot in self._robots():
-            inspection = checks.check(_write(tmp_path, self._emit(robot)), Expansion())
+            inspection = checks.check(_write(tmp_path, self._emit(robot)), stages.Expansion())
             errors = [finding for finding in inspection.findings if finding.severity == "error"]
             refusing = {effect.consumer for each in errors for effect in each.effects if effect.severity == "error"}
             if not all(each.effects for each in errors) or (errors and not set(inspection.consumers) - refusing):
@@ -275,7 +265,7 @@ class EmitterContract(InputContract):
         """Where it writes many robots at once, their files are byte by byte those that it writes one by one."""
         import numpy as np
 
-        if not (emits := self.stage.can(EmitsInColumns)):
+        if not (emits := self.stage.can(stages.EmitsInColumns)):
             return  # It makes them one by one.
         robot = self._robots()[0]  # three of it, which differ in the height of the first joint
         x, y, z = robot.joints[0].origin.xyz
@@ -294,7 +284,7 @@ class EmitterContract(InputContract):
         # Copies: an emitter that changes its input would be given what it has changed before.
         return list(deepcopy(cls.robots) if cls.robots is not None else map(plain_robot, reference_manipulators()))
 
-    def _emit(self, robot: Robot) -> Sequence[EmittedFile]:
+    def _emit(self, robot: Robot) -> Sequence[stages.EmittedFile]:
         return self.stage.emit(robot, self.stem, self.given())
 
     def _awkward(self) -> list[Robot]:
@@ -316,7 +306,7 @@ class EmitterContract(InputContract):
         return found
 
 
-def _write(folder: Path, files: Sequence[EmittedFile]) -> Path:
+def _write(folder: Path, files: Sequence[stages.EmittedFile]) -> Path:
     """Write files; the path of the main one."""
     for file in files:
         (folder / file.name).parent.mkdir(parents=True, exist_ok=True)

@@ -423,7 +423,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 7260,
     "plugins/dh2urdf_plugins/transforms": 2160,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
-    "plugins/dh2urdf_studio": 6530,
+    "plugins/dh2urdf_studio": 6420,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

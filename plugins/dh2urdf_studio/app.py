@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
 
-MOST_SESSIONS = 100
-"""Tabs whose state is kept; the one that was not used for the longest time goes first."""
+MOST_SESSIONS = 100  # tabs whose state is kept; the one that was not used for the longest time goes first
 MOST_PAGES = 1000
 """Pages of which it is known what has arrived; of those that are gone, the one that was heard of first goes first."""
 KINDS = ("event", "javascript_response")

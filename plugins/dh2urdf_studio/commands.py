@@ -10,14 +10,7 @@ import click
 from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
-from dh2urdf.cli.shared_options import (
-    PATH,
-    catalog,
-    files_and_arguments,
-    option,
-    package_paths_option,
-    without_option,
-)
+from dh2urdf.cli.shared_options import PATH, catalog, files_and_arguments, option, package_paths_option, without_option
 from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:

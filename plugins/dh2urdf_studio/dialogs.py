@@ -26,12 +26,9 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.save import Saved
     from dh2urdf_studio.editing.session import Session
 
-LARGEST_FILE = 64 * 2**20
-"""Size of a file that may be opened [B]."""
-LOST = "The files did not arrive. Open them again."
-"""The message where the connection was cut while files were sent."""
-MOST_CHOICES = 1000
-"""Manipulators of a file that a person is given to choose from."""
+LARGEST_FILE = 64 * 2**20  # size of a file that may be opened [B]
+LOST = "The files did not arrive. Open them again."  # the message where the connection was cut while files were sent
+MOST_CHOICES = 1000  # manipulators of a file that a person is given to choose from
 _MOST_WARNINGS = 3
 
 

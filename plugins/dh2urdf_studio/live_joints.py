@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-LARGEST_REQUEST = 2**20
-"""Size of a request [B]."""
-GET, SET = "/get_joint_positions", "/set_joint_positions"
-"""The routes, called as in urdf-viz."""
+LARGEST_REQUEST = 2**20  # size of a request [B]
+GET, SET = "/get_joint_positions", "/set_joint_positions"  # the routes, called as in urdf-viz
 
 
 class _Request(BaseModel, strict=True):

@@ -42,8 +42,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
-MOST_PROBLEMS = 30
-"""Problems that are spelled out; all wrong cells are marked."""
+MOST_PROBLEMS = 30  # problems that are spelled out; all wrong cells are marked
 
 
 class StudioPage(ScenePage):
@@ -72,14 +71,10 @@ class StudioPage(ScenePage):
                     act=self._act,
                     axes=self._resize,
                 )
-                self._target = TargetPanel(session, self._show_pose, self._tell)
-                self._panels = (
-                    self._target,
-                    PosesPanel(session, self._show_pose),
-                    MeasuringPanel(session, self._show_pose, self._tell),
-                    LessonPanel(session, self._show_pose),
-                    ComparingPanel(session, self._show_arm, meshes, self._put),
-                )
+                mine = session, self._show_pose, self._tell
+                self._target = TargetPanel(*mine)
+                comparing = ComparingPanel(session, self._show_arm, self._tell, meshes, self._put)
+                self._panels = self._target, PosesPanel(*mine), MeasuringPanel(*mine), LessonPanel(*mine), comparing
                 self._lay_below()
             with section("studio-scene", "Scene"):
                 self._lay_scene()

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
 
 USUAL_LAYERS = ("links", "axes", "frames", "parameters")
 """Layers with a box in the bar; the others are in a menu, so that the bar takes two rows beside a table."""
-LEAST_OPACITY = 0.1
-"""The smallest opacity of bodies: what is less could not be found again."""
+LEAST_OPACITY = 0.1  # the smallest opacity of bodies: what is less could not be found again
 WITHOUT_COLOUR = "links without a colour"
 
 

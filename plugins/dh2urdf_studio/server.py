@@ -38,10 +38,8 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 LOOPBACK = "127.0.0.1"
-PORT = 8420
-"""The port that is tried first."""
-PATIENCE = 10.0
-"""How long a tab that is gone may come back to what it showed [s]."""
+PORT = 8420  # the port that is tried first
+PATIENCE = 10.0  # how long a tab that is gone may come back to what it showed [s]
 _POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self' blob: data:; form-action 'self'; "

@@ -5,10 +5,11 @@ It knows no browser. Whatever a person does is a method; the page shows what the
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf_studio import joints
-from dh2urdf_studio.drawing.scene import DECIMALS, Drawing, faded, numbers
+from dh2urdf_studio.drawing.scene import DECIMALS, Drawing, numbers
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,7 +42,13 @@ class Tab:
 
     def shown(self) -> Drawing:
         """The drawing as a person sees it: without what is hidden, its robots as opaque as they are wanted."""
-        return faded(self.drawing, self.opacities, self.hidden)
+        nodes = []
+        for node in self.drawing.nodes:
+            share = self.opacities.get(node.figure, 1.0)
+            parts = () if node.name in self.hidden else node.parts
+            bodies = (replace(part, opacity=share * part.opacity) if part.layer == "links" else part for part in parts)
+            nodes.append(replace(node, parts=tuple(bodies)))
+        return replace(self.drawing, nodes=tuple(nodes))
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""

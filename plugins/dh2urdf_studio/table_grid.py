@@ -15,6 +15,7 @@ from dh2urdf_studio.page_data import PAGE
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from dh2urdf.table_text import TableText
     from dh2urdf_studio.editing.session import Session
 
 _WIDTH = 70
@@ -86,7 +87,7 @@ class TableGrid:
         header = (session.columns, session.table.convention, session.table.length_unit, session.table.angle_unit)
         if header != self._header:
             self._header = header
-            self._columns = [PAGE["number_column"], *(_column(field, session) for field in session.columns)]
+            self._columns = [PAGE["number_column"], *(_column(field, session.table) for field in session.columns)]
             self._lay_columns()
         rows = [{"id": key, **row} for key, row in zip(session.history.keys, session.table.rows, strict=True)]
         self.run("fill", rows, self._acts)
@@ -133,18 +134,12 @@ class TableGrid:
         )
 
 
-def _column(field: str, session: Session) -> dict[str, Any]:
-    table, about = session.table, PAGE["columns"].get(field, {})
-    header, index = about.get("header", field), about.get("index")
+def _column(field: str, table: TableText) -> dict[str, Any]:
+    about = PAGE["columns"].get(field, {})
+    header, index, width = about.get("header", field), about.get("index"), about.get("width", _WIDTH)
     if index == "i" or (index == "a" and table.convention):
         header += "ᵢ₋₁" if index == "a" and table.convention == Convention.MODIFIED else "ᵢ"
     unit = {"length": table.length_unit, "angle": table.angle_unit}.get(about.get("unit", ""))
-    column: dict[str, Any] = {
-        "field": field,
-        "colId": field,
-        "headerName": f"{header} [{unit}]" if unit else header,
-        "headerTooltip": about.get("told", field),
-        ":minWidth": f"dhGrid.wide({about.get('width', _WIDTH)})",
-        "flex": about.get("width", _WIDTH),
-    }
-    return column | ({":cellEditor": "dhGrid.TypeEditor"} if field == "type" else {})
+    shown = {"headerName": f"{header} [{unit}]" if unit else header, "headerTooltip": about.get("told", field)}
+    editor = {":cellEditor": "dhGrid.TypeEditor"} if field == "type" else {}
+    return {"field": field, "colId": field, **shown, ":minWidth": f"dhGrid.wide({width})", "flex": width, **editor}

@@ -11,6 +11,7 @@ from nicegui.element import Element
 
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.source import listed
 from dh2urdf_studio import dialogs, words
 from dh2urdf_studio.drawing.scene import from_root
 from dh2urdf_studio.live_joints import PageFollower
@@ -26,8 +27,7 @@ if TYPE_CHECKING:
     from dh2urdf_studio.live_joints import LiveJoints
     from dh2urdf_studio.viewing import View
 
-MOST_TIPS = 12
-"""Ends of arms whose poses are shown."""
+MOST_TIPS = 12  # ends of arms whose poses are shown
 _POWERS = ("", "²", "³", "⁴")
 
 
@@ -70,7 +70,7 @@ class ViewPage(ScenePage):
                 titles = {figure.name: figure.title or figure.robot.name for figure in view.figures}
                 self._lay_opacity(titles, view.plain, lambda colour: self._place(plain=colour))
         unseen, left_out = view.drawing.unseen, [each.message for figure in view.figures for each in figure.notices]
-        for text, lines in ((words.unseen(unseen), unseen), (words.some_of(left_out), left_out)):
+        for text, lines in ((words.unseen(unseen), unseen), (listed(left_out, words.MOST_LOST), left_out)):
             if lines:
                 ui.label(text).classes("studio-bar studio-remark").tooltip("\n".join(lines[:50]))
         self._scene = ArmView(dialogs.Warnings().add, self._drag, on_pick_node=self._picked_in_scene)

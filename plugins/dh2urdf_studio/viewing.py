@@ -40,10 +40,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-MOST_FIGURES = 50
-"""Robots that one scene shows."""
-TOLD_NAMES = 6
-"""Names of robots that the page's head has room for."""
+MOST_FIGURES = 50  # robots that one scene shows
+TOLD_NAMES = 6  # names of robots that the page's head has room for
 
 
 def load_figures(paths: Sequence[Path], catalog: Catalog, expansion: Expansion | None = None) -> tuple[Figure, ...]:
@@ -79,15 +77,14 @@ def _figures(path: Path, catalog: Catalog, expansion: Expansion | None) -> Itera
     check_file(path, InputError)
     if path.suffix.lower() in RUN_SUFFIXES and is_run_file(path):
         yield from _of_run(path, catalog)
-        return
-    if catalog.is_table(path):
+    elif catalog.is_table(path):
         transform = default_call(catalog, catalog.usual("transform"))
         for arm in read_items(default_call(catalog, catalog.reader_for(path)), path):
             if isinstance(arm, Rejected):
                 raise InputError(arm.problems, arm.notices)
             yield Figure(robot=make_robot(arm, transform), manipulator=arm, title=arm.name)
-        return
-    yield description(path, catalog, expansion)
+    else:
+        yield description(path, catalog, expansion)
 
 
 def description(path: Path, catalog: Catalog, expansion: Expansion | None = None) -> Figure:

@@ -23,16 +23,11 @@ if TYPE_CHECKING:
     from dh2urdf_studio.joints import Slider
     from dh2urdf_studio.tab import Tab
 
-ANSWERED = 60.0
-"""How long a page may take to answer what it is asked [s], as on a slow network."""
-QUIET = "flat dense no-caps color=white"
-"""How the buttons at the top of a page look."""
-_STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}
-"""What an arrow key moves a slider by, in its unit."""
-_DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}
-"""Digits behind the point of what a slider shows."""
-_LEAST_STEPS = 50
-"""From one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller."""
+ANSWERED = 60.0  # how long a page may take to answer what it is asked [s], as on a slow network
+QUIET = "flat dense no-caps color=white"  # how the buttons at the top of a page look
+_STEPS = {"deg": 1.0, "rad": 0.01, "m": 0.001, "cm": 0.1, "mm": 1.0}  # what an arrow key moves a slider by, in its unit
+_DIGITS = {"deg": 2, "rad": 4, "m": 4, "cm": 2, "mm": 1}  # digits behind the point of what a slider shows
+_LEAST_STEPS = 50  # from one limit of a joint to the other; of a joint that moves by a millimetre the steps are smaller
 
 
 class Menu(ui.menu):
@@ -105,12 +100,15 @@ def lay_upload(target: ui.element, wanted: Mapping[str, Any], **events: Callable
 
 
 class Panel:
-    """A panel below the table, opened and closed by a button of the bar; where it moves the arm, it is drawn anew."""
+    """A panel below the table, which a button of the bar opens and closes.
+
+    Where it moves the arm, `on_move` draws that anew; `tell` calls a method of the scene.
+    """
 
     ICON = TITLE = NAME = ""
 
-    def __init__(self, session: Session, on_move: Callable[[], None]) -> None:
-        self._session, self._on_move, self._is_open = session, on_move, False
+    def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
+        self._session, self._on_move, self._tell, self._is_open = session, on_move, tell, False
         with ui.element("aside").classes("studio-panel").props(f'aria-label="{self.NAME}"') as self._panel:
             self._lay_out()
         self.show()

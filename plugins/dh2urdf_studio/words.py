@@ -18,12 +18,9 @@ if TYPE_CHECKING:
     from dh2urdf_studio.editing.reading import CellProblem
     from dh2urdf_studio.editing.session import Session
 
-MOST_LOST = 6
-"""What a table cannot hold, or what was lost, as far as it is reported."""
-USUAL = 6
-"""Digits behind the point of a number that a person reads or changes, where its arm is not small."""
-_SMALL = 0.1
-"""Of an arm that is smaller [m], lengths have more digits."""
+MOST_LOST = 6  # what a table cannot hold, or what was lost, as far as it is reported
+USUAL = 6  # digits behind the point of a number that a person reads or changes, where its arm is not small
+_SMALL = 0.1  # of an arm that is smaller [m], lengths have more digits
 
 
 def decimals(length: Unit, reach: float) -> int:
@@ -49,15 +46,10 @@ def count(number: int, one: str, many: str) -> str:
     return f"{number} {one if number == 1 else many}"
 
 
-def some_of(things: Sequence[str]) -> str:
-    """The first of some things, and how many more there are."""
-    return listed(things, MOST_LOST)
-
-
 def unseen(files: Sequence[str], so: str = "") -> str:
     """The message about mesh files that are not there."""
     told = count(len(files), "mesh file was not found", "mesh files were not found")
-    return f"{told}{so}: {some_of(files)}"
+    return f"{told}{so}: {listed(files, MOST_LOST)}"
 
 
 def status(session: Session, errors: int) -> tuple[str, str]:
@@ -82,7 +74,7 @@ def status(session: Session, errors: int) -> tuple[str, str]:
 
 def remarks(opened: Opened) -> list[str]:
     """What a person should know of a table that was opened."""
-    lost = f"The studio's table has no place for {some_of(opened.lost)}: what is made here is without."
+    lost = f"The studio's table has no place for {listed(opened.lost, MOST_LOST)}: what is made here is without."
     return [*([lost] if opened.lost else ()), *opened.notices]
 
 

@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-FRAMES = 36
-"""Frames of a turn."""
-LARGEST = 640
-"""The longer side of a frame [px]."""
+FRAMES = 36  # frames of a turn
+LARGEST = 640  # the longer side of a frame [px]
 _SHOWN = 80  # for this long [ms]
 _SIDES = 32
 _ARROW = ((0.0, 0.0), (0.035, 0.0), (0.035, 0.76), (0.095, 0.76), (0.0, 1.0))  # radius and height

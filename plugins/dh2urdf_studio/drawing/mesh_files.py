@@ -30,20 +30,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from dh2urdf.meshes.triangles import Part
-    from dh2urdf.robot import Mesh
 
 say = Messages(__file__)
 
-SUFFIXES = (*FORMATS, ".glb", ".gltf")
-"""File name endings of the meshes that can be drawn."""
-LARGEST = 512 * 2**20
-"""Size of a mesh file that is read, and of each file that it names [B]."""
-LARGEST_PICTURE = 2**26
-"""Pixels of a texture that is drawn."""
+SUFFIXES = (*FORMATS, ".glb", ".gltf")  # file name endings of the meshes that can be drawn
+LARGEST = 512 * 2**20  # size of a mesh file that is read, and of each file that it names [B]
+LARGEST_PICTURE = 2**26  # pixels of a texture that is drawn
 _SHOWN = {"PNG": "image/png", "JPEG": "image/jpeg", "WEBP": "image/webp"}
 """Formats of pictures that all browsers show; others are sent as PNG."""
-_SMOOTH = math.radians(40.0)
-"""The largest angle between neighbouring triangles of one smooth surface."""
+_SMOOTH = math.radians(40.0)  # the largest angle between neighbouring triangles of one smooth surface
 _MOST_READERS = 4
 """Files that are read at a time, where there are so many processors beside the one of the server and the page."""
 
@@ -84,14 +79,6 @@ class DrawnTriangles(NamedTuple):
 
     content: bytes
     pictures: dict[str, Picture]
-
-
-def drawn_mesh(mesh: Mesh, path: Path | None, *, as_in_ros: bool) -> DrawnMesh | None:
-    """The file of a mesh; None where there is none that can be drawn. A table's mesh knows its own, and its axis up."""
-    path = Path(mesh.file.path) if mesh.file is not None else path
-    if path is None or path.suffix.lower() not in SUFFIXES:
-        return None
-    return DrawnMesh(path=path, scale=mesh.scale, as_in_ros=as_in_ros and mesh.file is None)
 
 
 def triangles(mesh: DrawnMesh) -> DrawnTriangles:

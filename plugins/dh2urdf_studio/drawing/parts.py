@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Joint, Link, Robot
     from dh2urdf.stages.foreign_robot import Follower
 
-Colour: TypeAlias = tuple[float, float, float]
-"""Red, green, blue in 0..1."""
+Colour: TypeAlias = tuple[float, float, float]  # red, green, blue in 0..1
 
 GREY: Colour = (0.72, 0.74, 0.77)
 COLLISION: Colour = (0.85, 0.2, 0.45)
@@ -37,8 +36,7 @@ AXIS_COLOURS: Mapping[JointType, tuple[Colour, ...]] = {
 """Colours of a joint's axis: the usual one, and the one for links of nearly that colour."""
 _MOVING = (JointType.REVOLUTE, JointType.CONTINUOUS, JointType.PRISMATIC)
 _STEPS, _CLOSE = 30, 1e-9
-APART = 0.3
-"""Distance of two colours that can be told apart."""
+APART = 0.3  # distance of two colours that can be told apart
 
 
 class Grip(NamedTuple):

@@ -8,7 +8,7 @@ DH frames from the table, by different code, so that the screen itself would sho
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem
 from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.drawing.mesh_files import DrawnMesh, drawn_mesh
+from dh2urdf_studio.drawing.mesh_files import SUFFIXES, DrawnMesh
 from dh2urdf_studio.drawing.parts import (
     APART,
     AXIS_COLOURS,
@@ -42,17 +42,12 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Geometry, Link
 
-LAYERS: dict[str, str] = PAGE["layers"]
-"""What can be shown and hidden, and what a person calls it."""
+LAYERS: dict[str, str] = PAGE["layers"]  # what can be shown and hidden, and what a person calls it
 
-FRAME_SIZE = 0.08
-"""Length of a frame's arrows in reaches of the arm."""
-CENTRE_SIZE = 0.012
-"""Radius of the ball at a centre of mass in reaches."""
-REACH_OF_A_POINT = 0.5
-"""Reach that an arm of no size is drawn with [m]."""
-DECIMALS = 9
-"""Of a length [m] that a browser gets."""
+FRAME_SIZE = 0.08  # length of a frame's arrows in reaches of the arm
+CENTRE_SIZE = 0.012  # radius of the ball at a centre of mass in reaches
+REACH_OF_A_POINT = 0.5  # reach that an arm of no size is drawn with [m]
+DECIMALS = 9  # of a length [m] that a browser gets
 _AXIS_LENGTH = 2.6
 
 
@@ -167,17 +162,6 @@ class Drawing:
             ]
             nodes.append(own)
         return {"reach": self.reach, "nodes": nodes}
-
-
-def faded(drawing: Drawing, opacities: Mapping[str, float], hidden: Collection[str] = ()) -> Drawing:
-    """A drawing without hidden nodes, its robots as opaque as a person wants them, by their names."""
-    nodes = []
-    for node in drawing.nodes:
-        share = opacities.get(node.figure, 1.0)
-        parts = () if node.name in hidden else node.parts
-        bodies = (replace(part, opacity=share * part.opacity) if part.layer == "links" else part for part in parts)
-        nodes.append(replace(node, parts=tuple(bodies)))
-    return replace(drawing, nodes=tuple(nodes))
 
 
 def numbers(pose: RigidTransform) -> list[float]:
@@ -302,7 +286,11 @@ def meshes_of(robot: Robot) -> Iterator[Mesh]:
 
 
 def _file_of(mesh: Mesh, figure: Figure) -> DrawnMesh | None:
-    return drawn_mesh(mesh, figure.files.get(mesh.filename), as_in_ros=figure.as_in_ros)
+    """The file of a mesh; None where none can be drawn. A table's mesh knows its own, and its axis up."""
+    path = figure.files.get(mesh.filename) if mesh.file is None else Path(mesh.file.path)
+    if path is None or path.suffix.lower() not in SUFFIXES:
+        return None
+    return DrawnMesh(path=path, scale=mesh.scale, as_in_ros=figure.as_in_ros and mesh.file is None)
 
 
 def _part(geometry: Geometry, figure: Figure) -> ScenePart | None:

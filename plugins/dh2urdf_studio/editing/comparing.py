@@ -54,12 +54,9 @@ if TYPE_CHECKING:
 say = Messages(__file__)
 
 V = TypeVar("V")
-MOST_FILES = 1000
-"""Files that are kept of those that were sent."""
-NAME = "description/"
-"""What stands before the names of the description's nodes and joints in the scene."""
-_SAME = TOLERANCE / 10
-"""Numbers that differ less [m] and [rad] are left as they are."""
+MOST_FILES = 1000  # files that are kept of those that were sent
+NAME = "description/"  # what stands before the names of the description's nodes and joints in the scene
+_SAME = TOLERANCE / 10  # numbers that differ less [m] and [rad] are left as they are
 
 
 class Apart(NamedTuple):

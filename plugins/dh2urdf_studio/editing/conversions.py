@@ -37,12 +37,9 @@ if TYPE_CHECKING:
 
 _VARIABLE_FIELDS = {"d", "theta", "offset", "sign"}
 """Fields of which one cell may say several: ``-q2 + pi/2`` is an angle, an offset and a sign."""
-_ROUNDING = 1e-13
-"""Relative difference of numbers that were converted and converted back."""
-_MOVED_ROUNDING = 1e-12
-"""That of products of transforms."""
-_LEFT_OF_ZERO = 1e-16
-"""What may be left of a 0 then."""
+_ROUNDING = 1e-13  # relative difference of numbers that were converted and converted back
+_MOVED_ROUNDING = 1e-12  # that of products of transforms
+_LEFT_OF_ZERO = 1e-16  # what may be left of a 0 then
 _ENTRY = re.compile(r"\b(xyz|com|radius|rpy): (\[[^]]*\]|[^,}]*)")
 _NUMBER = re.compile(r"(?!0[\],]|0$)[^\[\], ][^\[\],]*")
 _TRANSLATION = re.compile(r"(?<=, )(?!0\])([^\[\], ]+)(?=\], \[)")

@@ -7,26 +7,20 @@ import re
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import Convention
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, NAMES, TableText
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf.manipulator import Manipulator
-
-MOST_ROWS = 1000
-"""Rows that a table of the studio may have."""
-LONGEST_TEXT = 1000
-"""Characters of one cell; what is longer is cut, with a sign that no reader takes for a number."""
-LONGEST_PAST = 500
-"""States of a table that are kept."""
-NEW_JOINT = re.compile(r"joint_\d+")
-"""A name that the studio itself has given."""
-TEXTS = tuple(field.name for field in fields(TableText) if field.name != "rows")
-"""The texts of a whole table."""
+MOST_ROWS = 1000  # rows that a table of the studio may have
+LONGEST_TEXT = 1000  # characters of one cell; what is longer is cut, with a sign that no reader takes for a number
+LONGEST_PAST = 500  # states of a table that are kept
+NEW_JOINT = re.compile(r"joint_\d+")  # a name that the studio itself has given
+TEXTS = tuple(field.name for field in fields(TableText) if field.name != "rows")  # the texts of a whole table
 _WORDS = {"convention": ("", *Convention), "length_unit": LENGTH_UNITS, "angle_unit": ANGLE_UNITS}
 """The words that some of the texts must be: the page has no others to choose from."""
+TYPED = frozenset(TEXTS) - _WORDS.keys()  # the texts of a whole table that a person types
 _UNWRITABLE = re.compile(r"[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]+")
 
 
@@ -97,24 +91,6 @@ def begun(table: TableText) -> int:
     return max((number for number, row in enumerate(table.rows, start=1) if not set(row) <= set(NAMES)), default=0)
 
 
-def moving_rows(table: TableText, made: tuple[TableText, Manipulator] | None) -> list[int]:
-    """The numbers of the rows that move, and so are axes.
-
-    The last table that was an arm, and the arm, know what fixed joints are called beside ``fixed``.
-    """
-    pairs = zip(made[0].rows, made[1].rows, strict=False) if made else ()
-    fixed = {"fixed", *(typed["type"] for typed, row in pairs if row.type is JointType.FIXED and "type" in typed)}
-    return [number for number, row in enumerate(table.rows) if row.get("type") not in fixed]
-
-
-def with_axes(table: TableText, count: int, made: tuple[TableText, Manipulator] | None) -> TableText:
-    """The table with so many rows that move: empty ones more, or the last ones less, fixed rows among them."""
-    moving = moving_rows(table, made)
-    if count >= len(moving):
-        return resized(table, len(table.rows) + count - len(moving))
-    return resized(table, moving[count - 1] + 1 if count else 0)
-
-
 def _new_row(rows: Sequence[Mapping[str, str]]) -> dict[str, str]:
     taken = {row.get("joint") for row in rows}
     number = len(rows) + 1
@@ -150,20 +126,6 @@ def kept_table(text: str) -> TableText | None:
         {key: clean(row[key]) for key in FIELDS if isinstance(row.get(key), str) and row[key]} for row in rows
     )
     return TableText(**texts, rows=cells) if cells else None
-
-
-def with_typed(table: TableText, keys: Sequence[str], left: object) -> TableText:
-    """The table with the text that was being typed when its page lost the connection or was loaded anew.
-
-    What is left of it is the key of a row, field and text of a cell, as the browser has kept them; or None, name and
-    text of a text of the whole table; or None, where nothing was being typed.
-    """
-    match left:
-        case [str(key), str(field), str(text)] if key in keys and field in FIELDS:
-            return with_cells(table, {(keys.index(key), field): text})
-        case [None, str(field), str(text)] if field in TEXTS and field not in _WORDS:
-            return with_texts(table, **{field: text})
-    return table
 
 
 # --- The past of a table ----------------------------------------------------------------------------------------------

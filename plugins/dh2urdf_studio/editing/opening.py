@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-MOST_NAMES = 5
-"""Names that a notice has of manipulators that cannot be read."""
+MOST_NAMES = 5  # names that a notice has of manipulators that cannot be read
 _GALLERY = files("dh2urdf_studio") / "arms"
 USUAL_UNITS = ("m", "rad")
 _NO_TABLE = (
@@ -49,8 +48,7 @@ _NAME = re.compile(r"(?!pi\b)[^\W\d_][\w -]*", re.IGNORECASE)
 _VALUE = re.compile(r"[-+−–]?(?:[\d.,]+(?:e[-+]?\d+)?|pi|π|(?:θ|theta|th|q|d)_?\d+)(?!\w)", re.IGNORECASE)
 """How a number or an expression begins."""
 _WORD = re.compile(r"[^\W\d_]{2,}")
-_UNNAMED = "field 'columns'"
-"""What the reader's message has in it where nothing names the columns."""
+_UNNAMED = "field 'columns'"  # what the reader's message has in it where nothing names the columns
 
 
 class Opened(NamedTuple):
@@ -102,7 +100,7 @@ def open_tables(
         )
     typed: dict[str, TableText] = {}
     if (writes := call.stage.can(WritesTables)) is not None and writes.texts is not None:
-        # What cannot be read so can be read: then its numbers are what there is.
+        # A file whose texts its reader cannot give is opened with its numbers.
         with suppress(InputError), blaming(call, "texts"):
             typed = {table.name: table for table in several_records(islice(writes.texts(path), most), TableText)}
     opened = [_opened(arm, typed.get(arm.name), catalog, options or {}) for arm in arms]
@@ -127,12 +125,7 @@ def _items(path: Path, call: Call[Reader[Any]]) -> Iterator[Manipulator | Reject
 
 
 def tables_of(
-    name: str,
-    content: bytes,
-    catalog: Catalog,
-    most: int | None = None,
-    *,
-    options: Mapping[str, str] | None = None,
+    name: str, content: bytes, catalog: Catalog, most: int | None = None, *, options: Mapping[str, str] | None = None
 ) -> tuple[Opened, ...] | str:
     """The tables of a file by its name and bytes, or what is wrong with it, without the folder that it was read in."""
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, dh_frames, forward_kinematics, position_error
-from dh2urdf.manipulator import ROOT, TOOL, Convention, Manipulator
+from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.table_text import FIELDS, TableText
@@ -26,12 +26,10 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf_studio.joints import Slider
 
-BOTH = "both"
-"""The choice of both variants, side by side."""
+BOTH = "both"  # the choice of both variants, side by side
 COLUMNS = ("joint", "type", "a", "alpha", "d", "theta", "lower", "upper")
 """The columns of the paper's form, and limits; others are shown where the table uses them, or on request."""
-LEAST_LENGTH = 1e-6
-"""What is drawn of a distance at least, in reaches."""
+LEAST_LENGTH = 1e-6  # what is drawn of a distance at least, in reaches
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,11 +87,10 @@ class Session(Tab):
     @property
     def moving_rows(self) -> list[int]:
         """The numbers of the rows that move, and so are axes."""
-        return edits.moving_rows(self.table, self._made)
-
-    @property
-    def _made(self) -> tuple[TableText, Manipulator] | None:
-        return (self.arm.table, self.arm.manipulator) if self.arm else None
+        made = zip(self.arm.table.rows, self.arm.manipulator.rows, strict=False) if self.arm else ()
+        # The last arm knows what fixed joints are called beside ``fixed``.
+        names = {typed["type"] for typed, row in made if row.type is JointType.FIXED and "type" in typed}
+        return [number for number, row in enumerate(self.table.rows) if row.get("type") not in {"fixed", *names}]
 
     # --- The table ----------------------------------------------------------------------------------------------------
 
@@ -102,18 +99,28 @@ class Session(Tab):
         self._go_to(self.history.then(table, [*self.history.keys, *keys] if keys else None))
 
     def resize(self, axes: int, keys: Sequence[str] = ()) -> None:
-        """So many rows that move; more of them have these keys."""
-        self.put(edits.with_axes(self.table, axes, self._made), keys)
+        """So many rows that move: empty ones more, with these keys, or the last ones less, fixed rows among them."""
+        moving = self.moving_rows
+        count = len(self.table.rows) + axes - len(moving)
+        if axes < len(moving):
+            count = moving[axes - 1] + 1 if axes else 0
+        self.put(edits.resized(self.table, count), keys)
 
     def finish_typing(self, left: object, kept: TableText | None, *, is_new: bool) -> None:
-        """Takes the text that was being typed when the page lost the connection, or was loaded anew: see `with_typed`.
+        """Takes the text that was being typed when the page lost the connection or was loaded anew.
 
-        The browser has kept the table with that text. A session that had no table when the page asked (`is_new`) is
-        offered the whole of it instead.
+        The browser has kept the key of a row, field and text of a cell; or None, name and text of a text of the whole
+        table; or None, where nothing was being typed. It has kept the table with that text, too: a session that had
+        none when the page asked (`is_new`) is offered the whole of it instead.
         """
         if self.previews:  # nobody types on in a page that is gone
             self.look()
-        table = edits.with_typed(self.table, self.history.keys, left)
+        table, keys = self.table, self.history.keys
+        match left:
+            case [str(key), str(field), str(text)] if key in keys and field in FIELDS:
+                table = edits.with_cells(table, {(keys.index(key), field): text})
+            case [None, str(field), str(text)] if field in edits.TYPED:
+                table = edits.with_texts(table, **{field: text})
         if table != self.table and (not is_new or table == kept):
             self.put(table)
 

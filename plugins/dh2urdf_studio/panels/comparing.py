@@ -39,7 +39,12 @@ class ComparingPanel(Panel):
     ICON, TITLE, NAME = "compare", "compare with a robot description", "comparing"
 
     def __init__(
-        self, session: Session, on_move: Callable[[], None], meshes: MeshStore, on_table: Callable[[TableText], None]
+        self,
+        session: Session,
+        on_move: Callable[[], None],
+        tell: Callable[..., None],
+        meshes: MeshStore,
+        on_table: Callable[[TableText], None],
     ) -> None:
         self._meshes, self._on_table = meshes, on_table
         self._files: comparing.GivenFiles | None = None
@@ -48,7 +53,7 @@ class ComparingPanel(Panel):
         ui.context.client.on_delete(self._forget)
         if session.beside is not None:  # of a page that was loaded anew, whose files are gone
             session.lay_beside(None)
-        super().__init__(session, on_move)
+        super().__init__(session, on_move, tell)
 
     def _lay_out(self) -> None:
         catalog = self._session.catalog

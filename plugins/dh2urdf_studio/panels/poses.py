@@ -14,12 +14,11 @@ from dh2urdf_studio import joints
 from dh2urdf_studio.widgets import Panel, row_of, small_button
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from dh2urdf_studio.editing.session import OpenArm, Session
+    from dh2urdf_studio.editing.session import OpenArm
 
-TICK = 0.05
-"""Time from one step of a motion to the next [s]."""
+TICK = 0.05  # time from one step of a motion to the next [s]
 _STRETCH = 1.5  # from one pose to the next [s]
 _POINTS = 4000  # of the workspace, for arms of up to a hundred joints
 _NUMBERS = 400_000  # joint values that are drawn at most
@@ -106,10 +105,6 @@ class MeasuringPanel(Panel):
 
     ICON, TITLE = "straighten", "measure between frames, and show the workspace"
     NAME = "measuring"
-
-    def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
-        self._tell = tell
-        super().__init__(session, on_move)
 
     def _lay_out(self) -> None:
         self._arm: OpenArm | None = None  # whose workspace is shown

@@ -26,11 +26,9 @@ from dh2urdf_studio.widgets import Panel, row_of, toggle
 from dh2urdf_studio.words import USUAL, decimals, short
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.table_text import TableText
-    from dh2urdf_studio.editing.session import OpenArm, Session
+    from dh2urdf_studio.editing.session import OpenArm
 
 PLACE = ("x", "y", "z")
 TURNS = {"roll, pitch, yaw": ("roll", "pitch", "yaw"), "quaternion": ("qx", "qy", "qz", "qw")}
@@ -45,17 +43,13 @@ class TargetPanel(Panel):
 
     ICON, TITLE, NAME = "ads_click", "set the pose of tool0", "the pose of tool0"
 
-    def __init__(self, session: Session, on_move: Callable[[], None], tell: Callable[..., None]) -> None:
-        self._tell = tell
+    def _lay_out(self) -> None:
         self._keeps_texts = False  # what was typed stays where the arm does not reach it: other boxes may follow
         self._boxes: dict[str, ui.input] = {}
         self._shown: dict[str, tuple[str, float]] = {}  # the text of a box, and the value that it was made of
         self._focused = ""  # the box that a person types in
         self._searches = 0
         self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
-        super().__init__(session, on_move)
-
-    def _lay_out(self) -> None:
         with row_of():
             ui.label("T(base_link → tool0)").classes("studio-caption")
             self._turn = toggle([*TURNS], "how the orientation is written", self.show, next(iter(TURNS)))

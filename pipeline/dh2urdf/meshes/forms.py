@@ -9,6 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np  # noqa: TID253 - this module is imported where a mesh is converted
+
 from dh2urdf.isolation.fence import enter
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.meshes.triangles import Part, read_parts
@@ -58,8 +60,6 @@ def behind_fence(content: bytes, suffix: str, scale: Vec3, how: MeshConversion, 
 
 def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> Forms:
     """The forms of a mesh file; as `behind_fence`, without a fence."""
-    import numpy as np
-
     parts = read_parts(content, suffix, scale)
     seen = [(part.rgba, _written([part])) for part in parts]
     whole = seen[0][1] if len(parts) == 1 else _written(parts)
@@ -80,8 +80,6 @@ def forms_of(content: bytes, suffix: str, scale: Vec3, how: MeshConversion) -> F
 
 def _written(parts: Sequence[Part]) -> bytes:
     """Parts as an OBJ file, which has been read again."""
-    import numpy as np
-
     lines, before = [], 1
     for part in parts:  # vertices, then triangles; every number as the shortest text that is read as the same double
         lines += [f"v {x!r} {y!r} {z!r}\n" for x, y, z in part.vertices.tolist()]
@@ -98,8 +96,6 @@ def _written(parts: Sequence[Part]) -> bytes:
 
 def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array
     """The corners of all triangles, of shape (N, 3, 3)."""
-    import numpy as np
-
     return np.concatenate([part.vertices[part.faces] for part in parts])
 
 
@@ -108,7 +104,6 @@ def _soup(parts: Sequence[Part]) -> Any:  # noqa: ANN401 - an array
 
 def _convex(points: Any) -> Part:  # noqa: ANN401 - an array
     """The convex hull of points."""
-    import numpy as np
     import trimesh
     from scipy.spatial import QhullError
 
@@ -128,7 +123,6 @@ def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
     Collision-Aware Concavity and Tree Search", ACM Transactions on Graphics 41 (2022), by its authors' library.
     """
     import coacd
-    import numpy as np
 
     points, faces = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     size = float(np.ptp(points, axis=0).max())
@@ -146,7 +140,6 @@ def _convex_parts(triangles: Any) -> list[bytes]:  # noqa: ANN401 - an array
 
 def _outside(points: Any, hull: Part) -> Any:  # noqa: ANN401 - arrays
     """How far points lie outside the planes of a convex shape [m]; negative inside."""
-    import numpy as np
     from scipy.spatial import ConvexHull
 
     planes = ConvexHull(hull.vertices).equations

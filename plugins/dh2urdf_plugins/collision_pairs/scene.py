@@ -18,6 +18,8 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+import numpy as np  # noqa: TID253 - pinocchio, which moves the shapes, imports it, too
+
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
@@ -184,8 +186,6 @@ class Scene:
 
     def _place_links(self) -> None:
         """Adds the moving joints to the model; a link behind fixed ones is placed on the joint that carries it."""
-        import numpy as np
-
         pinocchio, joints = self._pinocchio, self._mechanism.from_root()
         held = {joint.child for joint in joints}
         root = next(link.name for link in self._mechanism.robot.links if link.name not in held)
@@ -207,8 +207,6 @@ class Scene:
             self._carriers[joint.child] = (number, placement)
 
     def _transform(self, origin: Origin) -> Any:  # noqa: ANN401 - as above
-        import numpy as np
-
         rotation, translation = origin.transform
         return self._pinocchio.SE3(np.array(rotation).reshape(3, 3), np.array(translation))
 

@@ -144,10 +144,8 @@ def farthest(start: Sequence[float], vectors: Iterable[Sequence[float]]) -> list
     """
     import numpy as np
 
-    most = np.zeros(len(start))
-    for q in vectors:
-        most = np.maximum(most, np.nan_to_num(np.abs(np.subtract(q, start)), nan=np.inf))
-    found: list[float] = most.tolist()
+    away = np.nan_to_num(np.abs(np.subtract([*vectors], start)), nan=np.inf)
+    found: list[float] = away.max(axis=0).tolist()
     return found
 
 

@@ -128,23 +128,23 @@ class Held(measures.Model):
 
         A cylinder of a URDF becomes a hull with a margin around it, which has no file: its size is not told.
         """
+        import numpy as np
+
         bullet = self.bullet
         visuals = bullet.getVisualShapeData(self.body)
         for name, index in self.links.items():
-            for number, solid in enumerate(bullet.getCollisionShapeData(self.body, index)):
-                is_mesh = solid[2] == bullet.GEOM_MESH and solid[4] not in {b"", _NO_FILE}
-                size = self._mesh(index, number, solid[6]) if is_mesh else self._size(solid[2], solid[3])
-                yield name, measures.COLLISION, size
-            for _, at, kind, size, *_ in visuals:
-                if at == index:
+            solids = bullet.getCollisionShapeData(self.body, index)
+            for at, (_, _, kind, size, file, _, turned, *_) in enumerate(solids):
+                lengths = self._size(kind, size)
+                if kind == bullet.GEOM_MESH and file not in {b"", _NO_FILE}:
+                    # Bullet has it along the principal axes of the link; the lengths are along the axes of its file.
+                    vertices = np.array(bullet.getMeshData(self.body, index, collisionShapeIndex=at)[1]).reshape(-1, 3)
+                    axes = np.array(bullet.getMatrixFromQuaternion(turned)).reshape(3, 3)
+                    lengths = measures.lengths_of(vertices @ axes)
+                yield name, measures.COLLISION, lengths
+            for _, of, kind, size, *_ in visuals:
+                if of == index:
                     yield name, measures.VISUAL, self._size(kind, size)
-
-    def _mesh(self, index: int, at: int, orientation: Sequence[float]) -> measures.Lengths:
-        """The lengths of a mesh along the axes of its file: Bullet has it along the principal axes of the link."""
-        import numpy as np
-
-        vertices = np.array(self.bullet.getMeshData(self.body, index, collisionShapeIndex=at)[1]).reshape(-1, 3)
-        return measures.lengths_of(vertices @ np.array(self.bullet.getMatrixFromQuaternion(orientation)).reshape(3, 3))
 
     def _size(self, kind: int, size: Sequence[float]) -> measures.Lengths | None:
         bullet = self.bullet

@@ -12,20 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, get_args
 from lxml import etree
 
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_robot, serialise
-from dh2urdf_plugins.formats.xacro.writer import (
-    NAMESPACE,
-    PLACEMENT,
-    XacroNotation,
-    append_arguments,
-    append_call,
-    append_call_of_arm,
-    append_element,
-    append_macro,
-    append_mounting,
-    append_placed_macro,
-    as_text,
-    property_name,
-)
+from dh2urdf_plugins.formats.xacro import writer as xacro
 from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
 from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, follows_whole_table, parameter_key
 from dh2urdf_plugins.packages.templates import filled
@@ -57,7 +44,7 @@ class Kind(NamedTuple):
         return f"$(find {package})/{self.folder}/{file}"
 
 
-class _PackageNotation(XacroNotation):
+class _PackageNotation(xacro.XacroNotation):
     """Formulas over the rows of the table, and numbers that are in YAML files."""
 
     def __init__(self, robot: Robot) -> None:
@@ -81,20 +68,20 @@ def macro_file(kind: Kind, package: str) -> bytes:
     """The macro of a kind of arm, and a second one for a call without an origin block."""
     robot, name = kind.robot, kind.macro
     notation = _PackageNotation(robot)
-    library = etree.Element("robot", nsmap={"xacro": NAMESPACE})
+    library = etree.Element("robot", nsmap={"xacro": xacro.NAMESPACE})
     files = {each: kind.default(package, file) for each, file in kind.files.items()}
-    macro = append_macro(library, name, " ".join(f"{each}:='{default}'" for each, default in files.items()))
+    macro = xacro.append_macro(library, name, " ".join(f"{each}:='{default}'" for each, default in files.items()))
     if follows_whole_table(robot):
         append_comment(macro, "The rows of the table, which origins and shapes follow.")
-        append_element(macro, "property", name="dh", value="${xacro.load_yaml(dh_file)['dh']['joints']}")
+        xacro.append_element(macro, "property", name="dh", value="${xacro.load_yaml(dh_file)['dh']['joints']}")
         for parameter in robot.parameters:
             value = f"${{dh['{parameter.joint}']['{parameter_key(parameter)}']}}"
-            append_element(macro, "property", name=property_name(parameter), value=value)
-    append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
-    append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
-    append_mounting(macro, robot, notation)
+            xacro.append_element(macro, "property", name=xacro.property_name(parameter), value=value)
+    xacro.append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
+    xacro.append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
+    xacro.append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
-    append_placed_macro(library, name, files)
+    xacro.append_placed_macro(library, name, files)
     return serialise(library, robot.comment)
 
 
@@ -124,38 +111,38 @@ def positions_argument(prefix: str) -> str:
 
 def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Options) -> bytes:
     """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
-    notation = XacroNotation()
-    top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
+    notation = xacro.XacroNotation()
+    top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": xacro.NAMESPACE})
     controlled = options.controlled
     files = {} if robot.arms else kinds[0].files
-    placement = {} if robot.arms else PLACEMENT
+    placement = {} if robot.arms else xacro.PLACEMENT
     defaults = {name: kinds[0].default(package, file) for name, file in files.items()}
     for prefix, alone in arms_of(robot) if controlled else ():
         kind = next(each for each in kinds if each.robot is alone)
         defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
-    append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
+    xacro.append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
     if controlled:
         # Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's.
         plugins = ", ".join(f"{word}='{PLUGINS.get(word, '')}'" for word in get_args(HardwareName))
-        append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
+        xacro.append_element(top, "property", name="hardware_plugins", value=f"${{dict({plugins})}}")
         refusal = f"xacro.fatal('hardware is', hardware, 'and must be one of {', '.join(get_args(HardwareName))}')"
-        append_element(top, "property", name="hardware", value="$(arg hardware)")
+        xacro.append_element(top, "property", name="hardware", value="$(arg hardware)")
         value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
-        append_element(top, "property", name="hardware_plugin", value=value)
+        xacro.append_element(top, "property", name="hardware_plugin", value=value)
     for kind in kinds:
         for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
-            append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
+            xacro.append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
     else:
-        append_call(top, kinds[0].macro, files)
+        xacro.append_call(top, kinds[0].macro, files)
         _append_control(top, kinds[0].macro, "'$(arg prefix)'", "", controlled=controlled)
     for arm in robot.arms:
         macro = next(each.macro for each in kinds if each.robot is arm.kind)
-        append_call_of_arm(top, macro, arm, notation)
-        _append_control(top, macro, as_text(notation.text(arm.prefix)), arm.prefix, controlled=controlled)
+        xacro.append_call_of_arm(top, macro, arm, notation)
+        _append_control(top, macro, xacro.as_text(notation.text(arm.prefix)), arm.prefix, controlled=controlled)
     if controlled:  # The plugin of Gazebo, which is there when its hardware is chosen.
-        chosen = append_element(top, "if", value="${hardware == 'gazebo'}")
+        chosen = xacro.append_element(top, "if", value="${hardware == 'gazebo'}")
         file, name = _GAZEBO
         plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
         etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"
@@ -167,4 +154,5 @@ def _append_control(top: etree._Element, macro: str, prefix: str, own: str, *, c
     if controlled:
         positions = f"$(arg {positions_argument(own)})"
         words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
-        append_element(append_element(top, "if", value="${hardware_plugin != ''}"), f"{macro}_ros2_control", **words)
+        chosen = xacro.append_element(top, "if", value="${hardware_plugin != ''}")
+        xacro.append_element(chosen, f"{macro}_ros2_control", **words)

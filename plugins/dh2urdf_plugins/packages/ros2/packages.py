@@ -24,15 +24,7 @@ from dh2urdf_plugins.formats.urdf import UrdfOptions
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
 from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
-from dh2urdf_plugins.packages.ros2 import package_files as files, yaml_files as yamls
-from dh2urdf_plugins.packages.ros2.description_xacro import (
-    Kind,
-    arms_of,
-    control_file,
-    macro_file,
-    positions_argument,
-    top_file,
-)
+from dh2urdf_plugins.packages.ros2 import description_xacro as xacros, package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.srdf import srdf
 from dh2urdf_plugins.packages.srdf.semantics import groups
 from dh2urdf_plugins.ros_conventions import VERSION
@@ -73,11 +65,11 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
     return tuple(EmittedFile(name=path, content=content) for path, content in written.items())
 
 
-def _kinds(robot: Robot, name: str) -> list[Kind]:
+def _kinds(robot: Robot, name: str) -> list[xacros.Kind]:
     """The kinds of arms of a robot: its own, or those of a cell, each with a folder of its own for its numbers."""
     if not robot.arms:
-        return [Kind(macro=name, robot=robot, folder="config")]
-    kinds: list[Kind] = []
+        return [xacros.Kind(macro=name, robot=robot, folder="config")]
+    kinds: list[xacros.Kind] = []
     taken = {name}
     for arm in robot.arms:
         if all(kind.robot is not arm.kind for kind in kinds):
@@ -87,24 +79,24 @@ def _kinds(robot: Robot, name: str) -> list[Kind]:
                 number += 1
                 macro = f"{first}_{number}"
             taken |= macros
-            kinds.append(Kind(macro=macro, robot=arm.kind, folder=f"config/{macro}"))
+            kinds.append(xacros.Kind(macro=macro, robot=arm.kind, folder=f"config/{macro}"))
     return kinds
 
 
 def _description(
-    robot: Robot, kinds: Sequence[Kind], name: str, package: str, options: Ros2Options
+    robot: Robot, kinds: Sequence[xacros.Kind], name: str, package: str, options: Ros2Options
 ) -> Iterator[tuple[str, bytes]]:
     """The files of the description package by their places in it, the one to open first."""
     controlled = options.controlled
-    yield f"urdf/{name}.urdf.xacro", top_file(robot, kinds, package, options)
+    yield f"urdf/{name}.urdf.xacro", xacros.top_file(robot, kinds, package, options)
     for kind in kinds:
-        yield f"urdf/{kind.macro}_macro.xacro", macro_file(kind, package)
+        yield f"urdf/{kind.macro}_macro.xacro", xacros.macro_file(kind, package)
         if yamls.follows_whole_table(kind.robot):
             yield f"{kind.folder}/dh.yaml", yamls.dh_file(kind.robot)
         yield f"{kind.folder}/joint_limits.yaml", yamls.joint_limits(kind.robot)
         yield f"{kind.folder}/physical_parameters.yaml", yamls.physical_parameters(kind.robot)
         if controlled:
-            yield f"urdf/{kind.macro}.ros2_control.xacro", control_file(kind, package, options)
+            yield f"urdf/{kind.macro}.ros2_control.xacro", xacros.control_file(kind, package, options)
             yield f"{kind.folder}/initial_positions.yaml", yamls.initial_positions(kind.robot)
     if controlled:
         yield "config/ros2_controllers.yaml", yamls.controllers(yamls.arm_joints(robot))
@@ -133,7 +125,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     yield "config/moveit_controllers.yaml", yamls.moveit_controllers(arms)
     if controlled:
         yield "config/ros2_controllers.yaml", yamls.controllers(arms)
-        for prefix, arm in arms_of(robot):
+        for prefix, arm in xacros.arms_of(robot):
             yield f"config/{prefix}initial_positions.yaml", yamls.initial_positions(arm)
     yield "config/pilz_cartesian_limits.yaml", files.filled("pilz_cartesian_limits.yaml")
     yield "config/moveit.rviz", files.view("moveit.rviz", robot)
@@ -162,9 +154,9 @@ def _shown_description(robot: Robot, name: str, package: str, options: Ros2Optio
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
         append_element(top, "arg", name="hardware", default="mock")
-        for prefix, _ in arms_of(robot):
+        for prefix, _ in xacros.arms_of(robot):
             place = f"$(find {package})/config/{prefix}initial_positions.yaml"
-            append_element(top, "arg", name=positions_argument(prefix), default=place)
+            append_element(top, "arg", name=xacros.positions_argument(prefix), default=place)
     append_element(top, "include", filename=f"$(find {name}_description)/urdf/{name}.urdf.xacro")
     return serialise(top)
 
@@ -179,7 +171,7 @@ def _with_base(robot: Robot) -> Robot:
     """
     kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
     links, joints = list(robot.links), list(robot.joints)
-    for prefix, kind in arms_of(robot):
+    for prefix, kind in xacros.arms_of(robot):
         table = kind.manipulator
         joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
         taken = {each.name for each in links} | {each.name for each in joints}
@@ -214,7 +206,7 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
     if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
         options_missing = ", ".join(f"`{name}`" for name in missing)
         found.append(say("package-xml-incomplete", missing=missing, options=options_missing))
-    for prefix, kind in arms_of(robot):
+    for prefix, kind in xacros.arms_of(robot):
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))

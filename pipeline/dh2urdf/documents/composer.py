@@ -40,13 +40,7 @@ _RESERVED = "quote a text that starts with this character"
 
 
 def syntax_problem(reason: Exception, text: str, file: str) -> Problem:
-    """The problem that a parser's error describes.
-
-    Args:
-        reason: what PyYAML raised.
-        text: the whole text.
-        file: what the mark names as the file.
-    """
+    """The problem that an error of PyYAML's parser describes."""
     said = str(getattr(reason, "problem", None) or reason).partition("\n")[0]
     place = getattr(reason, "problem_mark", None)
     opened = getattr(reason, "context_mark", None)

@@ -19,12 +19,7 @@ _MILLIMETRES = "mm, say so: '{0} mm'; '{0} m' is read as such"
 
 
 def measured(node: Node, dimension: Dimension, turns: int = 1) -> float:
-    """What a value measures [SI].
-
-    Args:
-        node: the value.
-        dimension: what it has to measure.
-        turns: how many turns an angle may have where it names no unit.
+    """What a value measures [SI]; an angle that names no unit may have so many turns.
 
     Raises:
         QuantityError: it measures nothing of the kind, or it is probably meant in degrees or mm.

@@ -21,7 +21,7 @@ from dh2urdf.kinematics.joint_vectors import joint_values
 from dh2urdf.kinematics.pose_arrays import jacobian_of, joints_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import JointType
-from dh2urdf.rotations import RigidTransform, multiply, norm, total, transpose
+from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
@@ -106,7 +106,8 @@ def inverse_kinematics(
     for _ in range(attempts - 1):
         if best.reached:
             break
-        other = search.descend(search.drawn(random.random(len(first))))
+        drawn = search.begin + random.random(len(first)) * search.range
+        other = search.descend(np.clip(drawn, search.lower, search.upper))
         if search.cost(other) < search.cost(best):
             best = other
     return best
@@ -130,27 +131,17 @@ class _PoseSearch:
             span = self.upper - self.lower
             middle = 0.5 * self.lower + 0.5 * self.upper
         is_bounded = np.isfinite(span)
-        self._begin = np.where(is_bounded, self.lower, -np.pi)
-        self._range = np.where(is_bounded, span, 2.0 * np.pi)
+        # Joint vectors are drawn from here; a joint without limits is within ±π.
+        self.begin = np.where(is_bounded, self.lower, -np.pi)
+        self.range = np.where(is_bounded, span, 2.0 * np.pi)
         self.middle = np.clip(np.where(np.isfinite(middle), middle, 0.0), self.lower, self.upper)
-        travel = [
-            abs(value)
-            for row in rows
-            if row.type is JointType.PRISMATIC
-            for value in (row.limits.lower, row.limits.upper)
-            if value is not None
-        ]
-        self._length = max(reach(manipulator) + total(travel), norm(target.translation), 1e-6)
-        # A prismatic joint counts in reaches, as a revolute one in radians.
-        self._scale = np.array([self._length if row.type is JointType.PRISMATIC else 1.0 for row in rows])
         self._turns = np.array([row.type is not JointType.PRISMATIC for row in rows], dtype=bool)
+        ends = np.abs(np.concatenate([self.lower[~self._turns], self.upper[~self._turns]]))
+        travel = float(ends[np.isfinite(ends)].sum())
+        self._length = max(reach(manipulator) + travel, norm(target.translation), 1e-6)
+        # A prismatic joint counts in reaches, as a revolute one in radians.
+        self._scale = np.where(self._turns, 1.0, self._length)
         self.start = self.middle
-
-    def drawn(self, part: Vector) -> Vector:
-        """A joint vector inside the limits, of parts from 0 to 1; a joint without limits is within ±π."""
-        import numpy as np
-
-        return np.clip(self._begin + part * self._range, self.lower, self.upper)
 
     def cost(self, solution: InverseSolution) -> float:
         """What is left, lengths as parts of the reach."""

@@ -39,15 +39,10 @@ class JointNames(NamedTuple):
 
 
 def joint_values(q: Any, names: JointNames) -> tuple[list[Any], tuple[int, ...]]:  # noqa: ANN401 - whatever is given
-    """The values of each moving joint [rad or m], and the shape that all of them have.
+    """The values of each of the joints `names.moving` [rad or m], and the shape (...) that all of them have.
 
-    Args:
-        q: joint vectors of shape (..., n); or by the names of the joints a number or an array for each, as a mapping, a
-            DataFrame, a Series or a structured array.
-        names: the joints.
-
-    Returns:
-        For each of the joints `names.moving` an array of shape (...), or a float where that is (); and that shape.
+    Joint vectors are of shape (..., n); or there is by the name of a joint a number or an array: in a mapping, a
+    DataFrame, a Series or a structured array. Of joint vectors of shape () the values are floats.
 
     Raises:
         RecordTypeError: something is no number.

@@ -169,14 +169,7 @@ def is_symbol(name: str) -> bool:
 
 
 class Parser:
-    """Reads one expression, by recursive descent that `MAX_NESTING` bounds.
-
-    Args:
-        text: the expression.
-        dimension: what it should measure, for the message.
-        decimal_comma: whether a comma may stand for the decimal point.
-        angle: the unit that is declared for angles; None where nothing declares one.
-        symbols: what names of lengths and angles stand for, by `symbol_key`.
+    """Reads one expression, by recursive descent that `MAX_NESTING` bounds; `evaluate` says what it is given.
 
     Raises:
         QuantityError: it is too long, or, of every method, it is no expression, or one that can be read in two ways.

@@ -24,8 +24,6 @@ _LARGEST_MULTIPLE = 48
 _PLAIN_LENGTH = 24
 _MANY = 16
 """Numbers that orjson formats faster than `repr`, by more than the call takes."""
-_TOLD_APART_BY = 8
-"""Numbers at the beginning of a column that tell it from most others."""
 _AT_ONCE = 64
 """Rows of a table that are formatted in one call: so many that their texts stay in the processor's cache."""
 
@@ -109,22 +107,17 @@ def format_rows(columns: Sequence[Any]) -> tuple[list[bytes | int], Iterator[lis
     if not np.isfinite(table).all():
         raise ValueError(f"{table[~np.isfinite(table)][0]} is not a finite number and cannot be written")
     is_constant = (table == table[:, :1]).all(axis=1).tolist()
-    begins = table[:, :_TOLD_APART_BY].copy()
-    alike: dict[bytes, list[int]] = {}  # of the columns that vary, those that begin alike, by their places among these
+    places: dict[bytes, int] = {}  # of the columns that vary, each once
+    varying: dict[int, int] = {}
     found: list[bytes | int] = []
-    varying: list[int] = []
     for index, constant in enumerate(is_constant):
         if constant:
             found.append(format_number(table[index, 0]).encode("ascii"))
-            continue
-        same = alike.setdefault(begins[index].tobytes(), [])
-        place = next((place for place in same if (table[varying[place]] == table[index]).all()), None)
-        if place is None:
-            place = len(varying)
-            varying.append(index)
-            same.append(place)
-        found.append(place)
-    return found, _rows(table[varying].T)
+        else:
+            place = places.setdefault(table[index].tobytes(), len(places))
+            varying.setdefault(place, index)
+            found.append(place)
+    return found, _rows(table[[*varying.values()]].T)
 
 
 def _rows(table: Any) -> Iterator[list[bytes]]:  # noqa: ANN401 - an array

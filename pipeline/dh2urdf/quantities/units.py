@@ -260,9 +260,7 @@ def find_unit(text: str, dimension: Dimension) -> Unit:
 def unit_where(text: str, dimension: Dimension) -> Unit | None:
     """The unit of any dimension that a word stands for where some dimension is wanted; None where it is no unit.
 
-    Args:
-        text: the word. ``nm`` is a nanometre where a length is wanted, ``lb`` a pound-force where a force is.
-        dimension: what is wanted.
+    ``nm`` is a nanometre where a length is wanted, ``lb`` a pound-force where a force is.
 
     Raises:
         QuantityError: it is one of two units that differ in case only.

@@ -60,9 +60,7 @@ FEWEST = 8
 
 
 def exact(manipulator: Manipulator, options: AlphaSwapOptions, symbol: Symbol = Quantity.parameter) -> Robot:
-    """The robot of a manipulator, with the kinematics of its table.
-
-    Of a table whose numbers are columns it is the robot whose numbers are columns; `symbol` is `nameless` then.
+    """The robot of a manipulator, with the kinematics of its table; of columns with the symbol `nameless`.
 
     Raises:
         DividedError: the robots of such a table are not all drawn alike.

@@ -139,24 +139,14 @@ def _meeting(first: Screw, second: Screw, third: Screw) -> tuple[Condition, Vec3
     return one_meets & other_meets & (norm(subtract(point, other)) <= ZERO_LENGTH), point
 
 
-class _OtherKindError(Exception):
-    """The arm is no OPW arm."""
-
-
-def _require(condition: bool) -> None:  # noqa: FBT001 - what is required is all there is to say
-    if not condition:
-        raise _OtherKindError
-
-
 def _opw(arm: Manipulator) -> OpwParameters | None:
     """The parameters of an arm; None for an arm of another kind, or with a tool beside axis 6."""
-    try:
-        found = _AtZero(arm).parameters()
-    except _OtherKindError:
+    found = _AtZero(arm).parameters()
+    if found.c2 <= ZERO_LENGTH:  # Axes 2 and 3 are one line.
         return None
     for q in ((0.0,) * _OPW_JOINTS, (0.3, -0.8, 1.1, 0.6, -1.3, 2.0), (-1.9, 0.4, -0.7, -2.2, 0.9, -0.5)):
         one, other = forward_kinematics(arm, q), opw_pose(found, q)
-        if max(position_error(one, other), angle_error(one, other)) > 1e-8:  # noqa: PLR2004
+        if not (position_error(one, other) <= 1e-8 and angle_error(one, other) <= 1e-8):  # noqa: PLR2004
             return None
     return found
 
@@ -164,7 +154,8 @@ def _opw(arm: Manipulator) -> OpwParameters | None:
 class _AtZero:
     """An arm whose joints are turned to the zero of the model, one after the other from the base outwards.
 
-    There axis 1 is along z, axes 2, 3 and 5 along y, axes 4 and 6 along z, and the arm points up.
+    There axis 1 is along z, axes 2, 3 and 5 along y, axes 4 and 6 along z, and the arm points up. What comes of another
+    kind of arm does not have its poses.
     """
 
     def __init__(self, arm: Manipulator) -> None:
@@ -172,24 +163,15 @@ class _AtZero:
         self._q, self._signs = [0.0] * _OPW_JOINTS, [1] * _OPW_JOINTS
 
     def parameters(self) -> OpwParameters:
-        """The parameters.
-
-        Raises:
-            _OtherKindError: the axes are not those of an OPW arm.
-        """
-        first = self._axis(1)
-        _require(math.hypot(*first.direction[:2]) <= ZERO_ANGLE and math.hypot(*first.point[:2]) <= ZERO_LENGTH)
-        self._signs[0] = 1 if first.direction[2] > 0 else -1
+        """The parameters, if it is an OPW arm."""
+        self._signs[0] = 1 if self._axis(1).direction[2] > 0 else -1
         self._turn_along_y(2)
         second, third = self._axis(2), self._axis(3)
-        _require(_are_parallel(second, third))
         self._signs[2] = 1 if third.direction[1] > 0 else -1
         (a1, _, c1), (x, _, z) = second.point, third.point
         c2 = math.hypot(x - a1, z - c1)
-        _require(c2 > ZERO_LENGTH)
         self._turn(2, -math.atan2(x - a1, z - c1))
-        ux, uy, uz = self._axis(4).direction
-        _require(abs(uy) <= ZERO_ANGLE)
+        ux, _, uz = self._axis(4).direction
         self._turn(3, -math.atan2(ux, uz))
         x, y, z = self._wrist_centre()
         if z - (c1 + c2) < -ZERO_LENGTH:  # The forearm is up, whichever way axis 4 points.
@@ -197,7 +179,6 @@ class _AtZero:
             self._signs[3] = -1
             x, y, z = self._wrist_centre()
         self._turn_along_y(5)
-        _require(abs(dot(self._axis(5).direction, self._axis(6).direction)) <= ZERO_ANGLE)
         tip = forward_kinematics(self._arm, self._q).rotation
         self._turn(5, -math.atan2(tip[2], tip[8]))
         self._signs[5] = 1 if self._axis(6).direction[2] > 0 else -1
@@ -213,8 +194,7 @@ class _AtZero:
         return screws_of_table(self._arm, self._q)[joint - 1]
 
     def _wrist_centre(self) -> Vec3:
-        meet, centre = _meeting(*screws_of_table(self._arm, self._q)[3:])
-        _require(meet)
+        _, centre = _meeting(*screws_of_table(self._arm, self._q)[3:])
         return centre
 
     def _turn(self, joint: int, angle: float) -> None:
@@ -224,8 +204,7 @@ class _AtZero:
 
     def _turn_along_y(self, joint: int) -> None:
         """Turn the joint before until an axis is along y, whichever way, by the smaller angle."""
-        x, y, z = self._axis(joint).direction
-        _require(abs(z) <= ZERO_ANGLE)
+        x, y, _ = self._axis(joint).direction
         sign = self._signs[joint - 1] = 1 if y >= -ZERO_ANGLE else -1
         self._turn(joint - 1, math.atan2(sign * x, sign * y))
 

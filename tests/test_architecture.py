@@ -401,7 +401,7 @@ BUDGETS = {
     "pipeline/dh2urdf/quantities": 1300,
     "pipeline/dh2urdf/report": 2110,
     "pipeline/dh2urdf/robot_check": 340,
-    "pipeline/dh2urdf/run_file": 1620,
+    "pipeline/dh2urdf/run_file": 1610,
     "pipeline/dh2urdf/running": 1040,
     "pipeline/dh2urdf/scaffold": 210,
     "pipeline/dh2urdf/stages": 1040,

@@ -162,26 +162,22 @@ def edit_calls(words: Iterable[str], mark: Mark, catalog: Catalog) -> tuple[Call
     """The edits with their options, a word of YAML for each, such as ``payload`` or ``payload: {mass: 2.5}``."""
     calls, problems = [], []
     for word in words:
+        node = word_node(word, mark.file)
+        name, options = node.text if isinstance(node.value, str) else None, None
+        broken = broken_structure(word, mark.file) if name and not node.quoted else None
+        if isinstance(node.value, dict) and "stage" in node.value and node.value.keys() <= {"stage", "options"}:
+            name, options = node.value["stage"].text, node.value.get("options")  # as in a run file
+        elif isinstance(node.value, dict) and len(node.value) == 1:
+            ((name, options),) = node.value.items()
+        if broken or not name or (options is not None and not isinstance(options.value, dict | None)):
+            code, setting = "edit-unreadable" if broken else "edit-unknown-form", option(mark, "edits", shown(word))
+            problems.append(say(code, mark, found=word, setting=setting, reason=broken))
+            continue
         try:
-            calls.append(_edit_call(word, mark, catalog))
+            given = None if options is None or options.value is None else options
+            calls.append(call_of(catalog, catalog.get("edit", name), given, mark))
         except InputError as error:
             problems += [problem.about(mark=mark) for problem in error.problems]
     if problems:
         raise ConfigError(problems)
     return tuple(calls)
-
-
-def _edit_call(word: str, mark: Mark, catalog: Catalog) -> Call[Edit[Any]]:
-    node = word_node(word, mark.file)
-    name, options = node.text if isinstance(node.value, str) else None, None
-    broken = broken_structure(word, mark.file) if name and not node.quoted else None
-    if isinstance(node.value, dict) and "stage" in node.value and node.value.keys() <= {"stage", "options"}:
-        name, options = node.value["stage"].text, node.value.get("options")  # as in a run file
-    elif isinstance(node.value, dict) and len(node.value) == 1:
-        ((name, options),) = node.value.items()
-    if broken or not name or (options is not None and not isinstance(options.value, dict | None)):
-        code = "edit-unreadable" if broken else "edit-unknown-form"
-        setting = option(mark, "edits", shown(word))
-        raise ConfigError(say(code, mark, found=word, setting=setting, reason=broken))
-    given = None if options is None or options.value is None else options
-    return call_of(catalog, catalog.get("edit", name), given, mark)

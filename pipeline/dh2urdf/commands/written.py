@@ -58,17 +58,16 @@ def left_out(
     manipulators: Sequence[Manipulator], content: bytes, call: Call[Reader[Any]], place: str
 ) -> tuple[Problem, ...]:
     """What a written table file does not hold of its manipulators, as notices; a RecordValueError for other arms."""
-    missing: dict[str, list[str]] = {}
+    rows_without: dict[str, int] = {}
     for given, again in zip(manipulators, _read_back(manipulators, content, call, place), strict=True):
         for inner, value, found in _different(given, again, ""):
             if found is None:
                 owner, _, field = inner.rpartition(".")
-                missing.setdefault(field, []).append(owner.rpartition(".")[2])
+                rows_without[field] = rows_without.get(field, 0) + owner.rpartition(".")[2].startswith("rows[")
             elif not _close(value, found):
                 raise RecordValueError(_other(given, (inner, value, found), call, place))
     notices = []
-    for field, owners in missing.items():
-        rows = sum(owner.startswith("rows[") for owner in owners)
+    for field, rows in rows_without.items():
         what = f"{field!r} of {rows} row{'' if rows == 1 else 's'}" if rows else repr(field)
         notices.append(say("no-place-for-field", Mark(file=place), format=call.stage.name, what=what))
     return tuple(notices)

@@ -171,21 +171,13 @@ class _Stages:
                     if (call := calls[name]) is None:
                         break
                     status = path.stat()
-                    earlier = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
-                    if earlier[0] is path:
+                    other, earlier, at = first.setdefault((status.st_dev, status.st_ino), (path, call, given.mark))
+                    advice = f"the first time is at {at}" if at != given.mark else None
+                    about: dict[str, Any] = {"field": "inputs", "path": other, "suggestion": advice}
+                    if other is path:
                         found.append((path, call))
+                    elif (call.stage, call.options) == (earlier.stage, earlier.options):  # Once is enough.
+                        self.notices.setdefault(other, say("input-twice", given.mark, **about))
                     else:
-                        self._note_again(path, call, given.mark, earlier)
+                        self.problems.append(say("input-read-twice", given.mark, found=str(path), **about))
         return tuple(found)
-
-    def _note_again(
-        self, path: Path, call: Call[Any], mark: Mark | None, first: tuple[Path, Call[Any], Mark | None]
-    ) -> None:
-        """Notes that a file is an input a second time: once is enough, unless the two are read in different ways."""
-        other, earlier, at = first
-        advice = f"the first time is at {at}" if at != mark else None
-        about: dict[str, Any] = {"path": other, "suggestion": advice}
-        if (call.stage, call.options) != (earlier.stage, earlier.options):
-            self.problems.append(say("input-read-twice", mark, field="inputs", found=str(path), **about))
-        else:
-            self.notices.setdefault(other, say("input-twice", mark, field="inputs", **about))

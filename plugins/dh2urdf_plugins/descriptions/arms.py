@@ -33,18 +33,9 @@ _FEW = 6
 def manipulator_of(
     tree: Tree, tip: str, name: str, choices: Choices, find: Callable[[str], Path | None], *, repair: bool
 ) -> Manipulator:
-    """The manipulator of the chain from the base link of a tree to a tip link.
+    """The manipulator, under a name, of the chain from the base link of a tree to a tip link.
 
-    Args:
-        tree: of the description.
-        tip: the tip link.
-        name: the manipulator's name.
-        choices: of the table.
-        find: the file that an address of a mesh means.
-        repair: whether rounded parts of π are read as they were meant.
-
-    Raises:
-        TableError: the chain is none of an arm, or no table of it is within the tolerance.
+    `find` finds the file that an address of a mesh means, and `repair` is whether rounded parts of π are read as meant.
     """
     description, mark = tree.description, Mark(file=tree.description.file)
     given = tree.chain(tip)
@@ -109,8 +100,8 @@ def _rows(
     segment, unknown = 0, dict[str, list[str]]()
     for row, frame in zip(solution.table.rows, frames[1:], strict=True):
         if row.type is JointType.FIXED:
-            split = names.fresh(row.joint), names.fresh(f"{rows[-1].link}_split")
-            rows.append(replace(row, joint=split[0], link=split[1], mass=0.0))
+            joint_name, link = (free_name(each, names.taken) for each in (row.joint, f"{rows[-1].link}_split"))
+            rows.append(replace(row, joint=joint_name, link=link, mass=0.0))
             continue
         segment += 1
         joint = moving[row.joint]
@@ -152,22 +143,18 @@ class _Names:
     """Names of joints and links, which share one set in a table, with those that every description of ours has."""
 
     def __init__(self, moving: Iterable[str]) -> None:
-        self._taken = {*RESERVED, *moving}
+        self.taken = {*RESERVED, *moving}
         self.renamed: dict[str, str] = {}
 
     def of(self, joint: Joint) -> tuple[str, str]:
         """The names of a joint and of the link that it moves."""
-        name = self.fresh(f"{joint.name}_joint") if joint.name in RESERVED else joint.name
+        name = free_name(f"{joint.name}_joint", self.taken) if joint.name in RESERVED else joint.name
         link = joint.child
-        while link in self._taken:
+        while link in self.taken:
             link += "_link"
-        self._taken.add(link)
+        self.taken.add(link)
         self.renamed |= {old: new for old, new in ((joint.name, name), (joint.child, link)) if old != new}
         return name, link
-
-    def fresh(self, name: str) -> str:
-        """A name that nothing has."""
-        return free_name(name, self._taken)
 
 
 # --- Notices ----------------------------------------------------------------------------------------------------------

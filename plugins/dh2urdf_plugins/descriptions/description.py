@@ -74,13 +74,9 @@ class Description:
 
 
 def describe(form: str, path: Path, expansion: Expansion | None = None, *, colours: bool = False) -> Description:
-    """The description of a file; of an SDF, that of the first model.
+    """The description of a file: ``urdf``, ``xacro`` (expanded where it can do no harm), ``sdf`` (model 1) or ``mjcf``.
 
-    Args:
-        form: ``urdf``, ``xacro``, ``sdf`` or ``mjcf``; a xacro is expanded where it can do no harm.
-        path: the file.
-        expansion: of a xacro, the values of its arguments and the packages that it may read.
-        colours: whether the robot of a URDF or xacro has the materials of the file; a table has no place for them.
+    With `colours`, the robot of a URDF or xacro has the materials of the file, which a table has no place for.
     """
     content, file = read_bytes(path, TableError, limit=LARGEST), str(path)
     found = Description(file=file, folder=path.absolute().parent)

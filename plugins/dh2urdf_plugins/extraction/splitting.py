@@ -107,10 +107,7 @@ def with_split_links(manipulator: Manipulator) -> tuple[Manipulator, list[Proble
     A table without such axes stays as it is. In any other, signs and offsets are in the turns of the rows, and base and
     tool may share with their neighbours otherwise: the joint values mean the same.
     """
-    chain = _chain(manipulator)
-    length = chain.length
-    # A turn that is off moves an axis whose frame is far away by as much more.
-    precision = Precision.of(TOLERANCE, max(length, *(abs(row.d) for row in manipulator.rows)))
+    chain, length, precision = _measured(manipulator)
     split, pairs = split_links(chain, precision, length, TOLERANCE, "split")
     if not any(pair.split for pair in pairs):
         return manipulator, []
@@ -123,9 +120,7 @@ def in_convention(manipulator: Manipulator, convention: Convention) -> Manipulat
 
     Joint values, directions, limits and bodies mean the same; signs and offsets are in the turns of the rows.
     """
-    given = _chain(manipulator)
-    length = given.length
-    precision = Precision.of(TOLERANCE, max(length, *(abs(row.d) for row in manipulator.rows)))
+    given, length, precision = _measured(manipulator)
     chain, _ = split_links(place_sliding_axes(given, precision, length), precision, length, TOLERANCE, "auto")
     table = _rewritten(manipulator, chain, convention, precision, length)
     for value in (0.0, 0.7, -1.3):
@@ -166,8 +161,8 @@ def _rewritten(
     return replace(table, rows=tuple(rows), base_visual=visual, base_collision=collision)
 
 
-def _chain(manipulator: Manipulator) -> Chain:
-    """The axes of the rows, fixed ones included, each turned so that its joint counts about z."""
+def _measured(manipulator: Manipulator) -> tuple[Chain, float, Precision]:
+    """The axes of the rows, fixed ones included, each turned so that its joint counts about z; length and precision."""
     is_standard = manipulator.convention is Convention.STANDARD
     links, so_far = list[RigidTransform](), manipulator.base
     for row in manipulator.rows:
@@ -177,7 +172,10 @@ def _chain(manipulator: Manipulator) -> Chain:
         links.append(before @ turned)
         so_far = turned @ step if is_standard else turned  # a half turn is its own inverse
     axes = tuple([Axis(row.joint, row.type) for row in manipulator.rows])
-    return Chain(axes, (*links, so_far @ manipulator.tool))
+    chain = Chain(axes, (*links, so_far @ manipulator.tool))
+    length = chain.length
+    # A turn that is off moves an axis whose frame is far away by as much more.
+    return chain, length, Precision.of(TOLERANCE, max(length, *(abs(row.d) for row in manipulator.rows)))
 
 
 def with_moved_body(row: DHRow, by: RigidTransform) -> DHRow:

@@ -48,11 +48,8 @@ def flatten(model: etree._Element) -> str | None:
         frame.sourceline = inner.sourceline
         if placed := inner.get(PLACED_BY):
             frame.set(PLACED_BY, _outside(placed, name))
-        pose = inner.find("pose")
-        pose = etree.SubElement(frame, "pose") if pose is None else pose
-        pose.text = pose.text or "0 0 0 0 0 0"
-        pose.set("relative_to", pose.get("relative_to") or MODEL)
-        frame.append(pose)
+        frame.extend(inner.findall("pose"))
+        _place_in(frame, MODEL)
         children = list(inner.iterchildren(*_NAMED))
         for child in children:
             _rename(child, name)
@@ -113,11 +110,15 @@ def _rename(element: etree._Element, name: str) -> None:
             if each.get(attribute):
                 each.set(attribute, _outside(each.get(attribute), name))
     if element.tag == "link":
-        pose = element.find("pose")
-        if pose is None:
-            pose = etree.SubElement(element, "pose")
-            pose.text = "0 0 0 0 0 0"
-        pose.set("relative_to", pose.get("relative_to") or name)
+        _place_in(element, name)
+
+
+def _place_in(element: etree._Element, frame: str) -> None:
+    """Has the pose of an element name the frame that it is in, unless it names one."""
+    pose = element.find("pose")
+    if pose is None:
+        pose = etree.SubElement(element, "pose")
+    pose.set("relative_to", pose.get("relative_to") or frame)
 
 
 def _outside(word: str | None, name: str) -> str:

@@ -98,20 +98,15 @@ def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:
         shapes = tuple(present)
         if shapes not in forms:
             own = [part for number, part in enumerate(parts) if number % 2 == 0 or shapes[number // 2]]
-            forms[shapes] = _joined([*own, last])
+            joined: list[Any] = [b""]  # the pieces of files, every second one to be filled in
+            for first, *others in [*own, last]:
+                joined[-1] += first
+                joined += others
+            forms[shapes] = joined, itemgetter(*joined[1::2])  # two at least: the name and the comment
         pieces, pick = forms[shapes]
         pieces[1::2] = pick(texts + numbers)
         contents.append(b"".join(pieces))
     return contents
-
-
-def _joined(parts: Iterable[list[Any]]) -> tuple[list[bytes], Callable[[list[bytes]], tuple[bytes, ...]]]:
-    """The pieces of files, every second one to be filled in, and what picks the texts for these."""
-    pieces: list[Any] = [b""]
-    for first, *others in parts:
-        pieces[-1] += first
-        pieces += others
-    return pieces, itemgetter(*pieces[1::2])  # two at least: the name and the comment
 
 
 def _optional(robots: RobotColumns, template: str) -> Iterator[tuple[tuple[int, int], Mask]]:

@@ -85,11 +85,8 @@ class _Layout:
 class _Place:
     """The parts, of `size` bytes, that were met at a place of files.
 
-    Args:
-        kinds: the joints that were met anywhere, by their kind.
-        before: what is before the parts in the file in which they are learned, from the root on.
-        after: what is after them there.
-        head: the joints before them.
+    They are learned between the texts `before`, from the root on, and `after`, behind the joints of `head`; `kinds` are
+    the joints that were met anywhere, by their kind.
     """
 
     def __init__(

@@ -151,8 +151,13 @@ def _take_fields(columns: Columns, read: Sequence[Header]) -> list[Problem]:
         elif header.field:
             problems += _measure(columns, header, index)
             keys = ("sign",) if header.field.name == "flip" else header.field.columns
-            twins = [key for key in keys if first.setdefault(key, index) != index]
-            problems += [_twins(columns, index, first[twin], twin) for twin in twins[:1]]
+            if twin := next((key for key in keys if first.setdefault(key, index) != index), None):
+                other = columns.headers[first[twin]]
+                advice = "if one of them is added to the joint variable, call it offset" if twin == "theta" else None
+                if twin == "a" and "r" in (key_of(other.casefold()), key_of(text.casefold())):
+                    advice = "if r is the length along z, call it d; if it is the centre of mass, call it com"
+                about = {"field": header.field.name, "found": text, "suggestion": advice}
+                problems.append(say("two-columns", place, name=twin, first=other, **about))
         elif not header.is_known and (near := misspelt(header.key)):
             given.add(near.name)
             problems.append(say("misspelt-header", place, field=text, found=text, meant=near.name, fields=[*FIELDS]))
@@ -232,16 +237,6 @@ def _links(columns: Columns, read: Sequence[Header]) -> list[Problem]:
 
 
 # --- What is wrong with one -------------------------------------------------------------------------------------------
-
-
-def _twins(columns: Columns, index: int, other: int, name: str) -> Problem:
-    """A field that two columns hold."""
-    text, first = columns.headers[index], columns.headers[other]
-    advice = "if one of them is added to the joint variable, call it offset" if name == "theta" else None
-    if name == "a" and "r" in (key_of(each.casefold()) for each in (text, first)):
-        advice = "if r is the length along z, call it d; if it is the centre of mass, call it com"
-    about = {"field": columns.fields[index], "found": text, "suggestion": advice}
-    return say("two-columns", columns.marks[index], name=name, first=first, **about)
 
 
 def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:

@@ -27,7 +27,9 @@ def text_in(cell: object) -> str:
         return cell.found or ""
     if cell is None or isinstance(cell, str):
         return cell or ""
-    return text_of(cell) if isinstance(cell, float) else str(cell).lower() if isinstance(cell, bool) else str(cell)
+    if isinstance(cell, bool):
+        return str(cell).lower()
+    return text_of(cell) if isinstance(cell, float) else str(cell)
 
 
 def is_number(text: str) -> bool:

@@ -43,7 +43,7 @@ class CellReader:
         self.strays = {k for k, header in enumerate(headers) if not header and not is_beside(k, headers)}
         self.left_out = set[int]()
         self.refused: dict[int, Problem] = {}  # the first cell of each column that is refused
-        self.first_counts: dict[int, int] = {}  # where a column without a header begins to count
+        self.first_counts: dict[int, int | None] = {}  # where a column without a header begins to count
         self.comma: Cell | None = None
         self.point: Cell | None = None  # a number whose point may separate thousands
         self.is_sure = False  # whether a comma cannot separate thousands
@@ -69,26 +69,22 @@ class CellReader:
                 cell = cell._replace(text=kind.value)
             if is_name and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
                 self._note("spreadsheet-error", cell, name, number)
-            parts = self._parts(cell, name, number) if name in GROUPS else {name: cell}
+            parts = dict.fromkeys(FIELDS[name].columns, cell)
+            if name in GROUPS and cell.text:
+                from dh2urdf_plugins.readers.rows.groups import split_cell
+
+                comma = columns.decimal_comma
+                texts = split_cell(FIELDS[name], cell.text, cell.mark, joint=f"joint_{number}", decimal_comma=comma)
+                if isinstance(texts, Problem):
+                    self.reader.add(texts)
+                    continue
+                parts = {part: cell._replace(text=text) for part, text in texts.items()}
             cells |= parts if as_written else {part: self._plain(each, part, value) for part, each in parts.items()}
         return cells
 
     def _note(self, code: str, cell: Cell, name: str, number: int, **values: Any) -> None:  # noqa: ANN401
         about = {"joint": f"joint_{number}", "field": name, "found": cell.text[:MAX_TEXT]}
         self.reader.add(say(code, cell.mark, **about, **values))
-
-    def _parts(self, cell: Cell, name: str, number: int) -> dict[str, Cell]:
-        """The cells of the fields that share a cell."""
-        if not cell.text:
-            return dict.fromkeys(GROUPS[name].parts, cell)
-        from dh2urdf_plugins.readers.rows.groups import split_cell
-
-        comma = self.columns.decimal_comma
-        parts = split_cell(FIELDS[name], cell.text, cell.mark, joint=f"joint_{number}", decimal_comma=comma)
-        if isinstance(parts, Problem):
-            self.reader.add(parts)
-            return {}
-        return {part: cell._replace(text=text) for part, text in parts.items()}
 
     def _plain(self, cell: Cell, name: str, value: Value) -> Cell:
         """A cell without typesetting, without the name that it defines, and with a point where its comma was one."""
@@ -130,7 +126,11 @@ class CellReader:
         if not cell.text:
             return
         header, problem = self.columns.headers[index], None
-        counts = is_number(cell.text) and self._counts(cell.text, index, number)
+        # A number without a header may count the rows: from 0 or 1, or through all manipulators of the table.
+        is_count = cell.text.isascii() and cell.text.isdigit() and len(cell.text) <= MAX_TEXT
+        before = int(cell.text) - number if is_count else None
+        follows = is_count and before == self.first_counts.setdefault(index, before)
+        counts = follows and (before in (-1, 0) or (index in self.strays and "robot" in self.columns.fields))
         if not ("type" in self.columns.fields or cell.text.isdigit()):
             cells[f"{LABEL}{header}"] = cell  # which may be its type
         if header and len(cell.text) <= MAX_TEXT and (refusal(header).any_text or not counts):
@@ -141,15 +141,6 @@ class CellReader:
             self.refused.setdefault(index, problem)
         if index in self.columns.silent and not counts:
             self.left_out.add(index)
-
-    def _counts(self, text: str, index: int, number: int) -> bool:
-        """Whether a number without a header counts the rows: from 0 or 1, or through all manipulators of the table."""
-        if not (text.isascii() and text.isdigit()):
-            return False
-        before = int(text) - number
-        return before == self.first_counts.setdefault(index, before) and (
-            before in (-1, 0) or (index in self.strays and "robot" in self.columns.fields)
-        )
 
     # --- All rows -----------------------------------------------------------------------------------------------------
 

@@ -60,17 +60,12 @@ class JointRows:
         for place, cells in self.rows.items():
             if not ("type" in cells and cells["type"].text):
                 self._settle_type(place, cells, slides=one_each and "d" in found[place])
-        self.first = 0 if self._begins_with_base() else 1  # 0: the base, and joints are counted from the next row
+        index, is_fixed = self.indexes.get(0), _type_of(self.rows.get(0, {})) is JointType.FIXED
+        is_base = re.fullmatch(_ZERO, index.text) or is_no_joint(index.text) if index else self.count_from_second
+        self.first = 0 if is_fixed and is_base else 1  # 0: the base, and joints are counted from the next row
         self._check_indexes()
         self._name_by_number("joint")
         self._name_by_number("link")
-
-    def _begins_with_base(self) -> bool:
-        if 0 not in self.rows or _type_of(self.rows[0]) is not JointType.FIXED:
-            return False
-        if 0 not in self.indexes:
-            return self.count_from_second
-        return re.fullmatch(_ZERO, self.indexes[0].text) is not None or is_no_joint(self.indexes[0].text)
 
     # --- Types --------------------------------------------------------------------------------------------------------
 

@@ -56,7 +56,7 @@ _OF_MAPPING = r"\{[^{}]*:|\{\s*\}"
 _OF_LIST = r"\[(?!\s*[0-9]{1,3}\s*\])(?=.*[0-9]).*\]$"
 """A list with a number in it, and no citation: ``[2]``."""
 
-_TOKENS = r"°(?:/[a-z]+)?|[^\W\d_]+(?:[/·][^\W\d_]+[²2]?)*[²³]?|[0-9][0-9.,]*|\S"
+_TOKENS = r"[Dd]-[Hh]\b|°(?:/[a-z]+)?|[^\W\d_]+(?:[/·][^\W\d_]+[²2]?)*[²³]?|[0-9][0-9.,]*|\S"
 _CHINESE = r"([\u3040-\u30ff\u4e00-\u9fff\uac00-\ud7a3]+)"
 _TYPES = r"(?<![\w-])[RP](?:-?[RP])+(?![\w-])"
 _OPENING = frozenset("[({:=：>")
@@ -81,9 +81,7 @@ _LENGTHS = frozenset(("a", "d"))
 def statements_in(comment: Comment) -> dict[str, Node]:
     """What a comment declares under a key: the YAML values by their keys; nothing where it is prose.
 
-    Raises:
-        TableError: the key is misspelt, or nothing is called so and the value is a mapping or a list; or the value is
-            not YAML.
+    Refused are a misspelt key, an unknown one with a mapping or a list behind it, and a value that is not YAML.
     """
     text = comment.text
     match = None if _BEHIND_KEYS.isdisjoint(text) else re.match(_ENTRY, text[:MAX_TEXT])
@@ -128,11 +126,7 @@ def _is_declaration(word: str, key: str, value: str, comment: Comment) -> bool:
 
 
 def comment_below(line: str, place: Mark) -> Comment:
-    """The comment that a line or a row below the header is.
-
-    Raises:
-        TableError: it declares something, which would not hold for the rows above.
-    """
+    """The comment that a line or a row below the header is; it cannot declare what would not hold for rows above."""
     whole = Comment.of(line, place, longest=len(line))
     if not _BEHIND_KEYS.isdisjoint(whole.text[:MAX_TEXT]) and statements_in(whole):
         raise TableError(say("below-the-header", whole.whole, line=whole.line))
@@ -221,8 +215,7 @@ def _convention(tokens: Sequence[str]) -> Convention | None:
     pairs = [pair for pair in pairwise([*words, ""]) if not _is("happened", pair[1])]  # `modified on …` names none
     named = {each for each in Convention for word, _ in pairs if _is(each.value, word)}
     about = len(words) == 1 or any(_is("of_conventions", word) for word in words)
-    is_dashed = any(tokens[k : k + 3] in (["D", "-", "H"], ["d", "-", "h"]) for k in range(len(tokens)))
-    if len(named) != 1 or not (about or is_dashed) or any(_is("not", word) for word in words):
+    if len(named) != 1 or not about or any(_is("not", word) for word in words):
         return None
     return named.pop()
 

@@ -55,9 +55,6 @@ def read_top(
 
     The header is the first row that names two of a, alpha, d and theta. A row above it is a comment, with or without a
     # before it. Statements are those of the file outside its rows; the convention and the ignored columns are options.
-
-    Raises:
-        TableError: there is no header, or it is wrong, or a comment is.
     """
     said, comments, sure = dict(statements or {}), list[Comment](), set(statements or ())
     above: list[CellRow] = []  # those that are neither comments nor declarations
@@ -117,11 +114,7 @@ def is_header(row: CellRow) -> bool:
 
 
 def _both(key: str, earlier: Node, node: Node) -> Node:
-    """Two comments as one statement: units of lengths here and of angles there.
-
-    Raises:
-        TableError: both say the same.
-    """
+    """Two comments as one statement: units of lengths here and of angles there; both may not say the same."""
     one, other = earlier.value, node.value
     if key == "units" and isinstance(one, dict) and isinstance(other, dict):
         if all(one[name].text == other[name].text is not None for name in one.keys() & other):

@@ -91,12 +91,9 @@ class RowSource(Protocol):
     """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
 
     The key of a row is what the format knows its place by: the number of a line, or more.
-
-    Attributes:
-        below: comments and notes below the header, which may define names for lengths.
     """
 
-    below: list[Comment]
+    below: list[Comment]  # and notes below the header, which may define names for lengths
 
     def __iter__(self) -> Iterator[CellRow]:
         """The rows down to the header."""
@@ -121,11 +118,7 @@ class RowSource(Protocol):
 
 
 def name_columns(header: CellRow, ignore: Collection[str] = (), convention: Convention | None = None) -> Columns:
-    """What a header says; columns of some headers are left out.
-
-    Raises:
-        TableError: everything that is wrong with it.
-    """
+    """What a header says, or everything that is wrong with it; columns of some headers are left out."""
     headers = headers_in(header)
     for name in ignore:
         if name not in headers:

@@ -59,22 +59,14 @@ def is_beside(index: int, named: Sequence[object]) -> bool:
 
 
 def join_headers(upper: CellRow, lower: CellRow) -> CellRow:
-    """A header that has two rows.
-
-    A title over several columns, such as ``Limits [deg]`` over ``lower`` and ``upper``, gives them its unit; ``com``
-    over ``x`` makes one header of both; a name over a unit gets it.
-    """
+    """A header of two rows: ``Limits [deg]`` over ``lower`` and ``upper``, ``com`` over ``x``, a name over a unit."""
     pairs = _pairs(headers_in(upper), headers_in(lower))
     marks = lower.marks if len(lower.marks or ()) == len(pairs) else upper.marks
     return CellRow([_joined(top, sub) for top, sub in pairs], lower.mark, marks)
 
 
 def completed(header: CellRow, row: CellRow) -> CellRow | None:
-    """The header with the row below it, where that is a row of units, or of names under shared titles; else None.
-
-    Raises:
-        TableError: the row of units contradicts the header.
-    """
+    """The header with the row below it, where that is a row of units, or of names under shared titles; else None."""
     if len(row.cells) > len(header.cells) or not all(cell is None or isinstance(cell, str) for cell in row.cells):
         return None
     names, texts = headers_in(header), headers_in(row)
@@ -95,10 +87,7 @@ def completed(header: CellRow, row: CellRow) -> CellRow | None:
 
 
 def _pairs(tops: list[str], subs: list[str]) -> list[tuple[str, str]]:
-    """Titles and what is below them; a title is also over the next columns where these are its parts.
-
-    That is what a merged cell leaves in a CSV file.
-    """
+    """Titles and what is below them; a title is also over the next columns where these are its parts: a merged cell."""
     width, title, found = max(len(tops), len(subs)), "", list[tuple[str, str]]()
     for top, sub in zip(tops + [""] * (width - len(tops)), subs + [""] * (width - len(subs)), strict=True):
         title = top or title

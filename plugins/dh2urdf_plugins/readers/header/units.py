@@ -174,11 +174,10 @@ def _beside(columns: Columns, units: Units, stated: Mapping[Dimension, Unit]) ->
     """Columns without a unit beside one whose header has another unit than the numbers would be read in."""
     found: dict[str, Doubt] = {}
     for name in columns.names:
-        is_rate = name == "velocity"
-        for other in () if name in columns.units else _OF_THE_JOINT if is_rate else group_of(name):
-            if (said := columns.units.get(other)) is None:
-                continue
-            unit = _rate_of(said) if is_rate else said
+        others = () if name in columns.units else _OF_THE_JOINT if name == "velocity" else group_of(name)
+        for other in filter(columns.units.__contains__, others):
+            said = columns.units[other]
+            unit = _rate_of(said) if name == "velocity" else said
             read = units.of(unit.dimension)
             is_read = unit == read or (read is None and unit.is_si) or unit.dimension in stated
             if unit.dimension in (FIELDS[name].dimension, FIELDS[name].linear) and not is_read:
@@ -209,10 +208,10 @@ def refuse_doubt(quantity: Quantity, name: str, cell: Cell, dimension: Dimension
 
 
 def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Problem]:
-    """What is wrong with bare numbers outside of rows where all lengths, or all angles, of rows name another unit.
+    """What is wrong with the first bare number of each field, where other cells of its kind name another unit.
 
-    Bare numbers of rows are worth a notice where other cells of their column, or of one beside it, name such a unit.
-    Of both kinds of cells each field has the first.
+    One in a row is worth a notice, beside such a cell of its column or of one beside it. One outside of rows is refused
+    where all lengths, or all angles, of rows name such a unit.
     """
     seen = set[tuple[tuple[str, ...], Dimension]]()
     for (name, dimension), cell in bare.items():
@@ -223,13 +222,12 @@ def bare_beside_cells(units: Units, foreign: Cells, bare: Cells) -> Iterator[Pro
             about = {"named": named, "other": foreign[named, dimension].text, "unit": SI_UNITS[dimension]}
             yield say("bare-beside-cells", cell.mark, field=name, found=text, number=text.strip(), **about)
     for dimension, names in _GEOMETRY.items():
-        cells = {name: foreign[name, dimension] for name in names if (name, dimension) in foreign}
-        if dimension not in units.bare or not cells or any((name, dimension) in bare for name in names):
-            continue
-        name, number = units.bare[dimension]
-        named, cell = next(iter(cells.items()))
-        about = {"named": named, "other": cell.text, "units": accepted_units(dimension), "key": KEY_OF[dimension]}
-        yield say("bare-outside-rows", number.mark, field=name, found=number.text, **about)
+        named = next((name for name in names if (name, dimension) in foreign), None)
+        if dimension in units.bare and named and not any((name, dimension) in bare for name in names):
+            name, number = units.bare[dimension]
+            about = {"named": named, "other": foreign[named, dimension].text, "key": KEY_OF[dimension]}
+            about["units"] = accepted_units(dimension)
+            yield say("bare-outside-rows", number.mark, field=name, found=number.text, **about)
 
 
 def unit_problems(columns: Columns, declared: Iterable[tuple[Unit, Mark]]) -> list[Problem]:

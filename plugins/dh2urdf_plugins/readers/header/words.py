@@ -199,10 +199,7 @@ def _cores(key: str, name: str) -> frozenset[str]:
 
 @lru_cache(maxsize=1024)
 def misspelt(key: str) -> Field | None:
-    """The field that a word of four letters or more misses by one slip, or with all its letters, as `tetha` does.
-
-    Also with words around it that say nothing new: ``joint sgn``.
-    """
+    """The field that a word misses by one slip, or with all its letters, as `tetha` does; also ``joint sgn``."""
     if key in keys_in("slips", "none") or len(key) > _LONGEST_KEY:  # or it means something else
         return None
     written = {name: _cores(key, name) | {key.removesuffix("i")} for name in FIELDS}  # `tehta_i`

@@ -43,12 +43,9 @@ class PlainSample:
 
 
 def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> None:
-    """Compare two readings of one manipulator, to the last bit, marks and notices included.
+    """Refuses two readings of one manipulator that differ in a bit, in a mark or in a notice.
 
     Some rows were read with care, or all; the first rows of a longer arm may be refused as an arm.
-
-    Raises:
-        TableError: the readings differ.
     """
     is_whole = count == len(fast.rows)
     if isinstance(careful, Manipulator):

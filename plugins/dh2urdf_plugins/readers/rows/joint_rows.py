@@ -61,7 +61,7 @@ class JointRows:
             if not ("type" in cells and cells["type"].text):
                 self._settle_type(place, cells, slides=one_each and "d" in found[place])
         index, is_fixed = self.indexes.get(0), _type_of(self.rows.get(0, {})) is JointType.FIXED
-        is_base = re.fullmatch(_ZERO, index.text) or is_no_joint(index.text) if index else self.count_from_second
+        is_base = (re.fullmatch(_ZERO, index.text) or is_no_joint(index.text)) if index else self.count_from_second
         self.first = 0 if is_fixed and is_base else 1  # 0: the base, and joints are counted from the next row
         self._check_indexes()
         self._name_by_number("joint")

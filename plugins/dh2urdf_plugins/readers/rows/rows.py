@@ -18,7 +18,7 @@ from dh2urdf.table_text import REQUIRED, Said
 from dh2urdf_plugins.readers.header.units import unit_advice
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM, NEARLY
-from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, joint_type, type_advice
+from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, joint_type, keys_in, type_advice
 from dh2urdf_plugins.readers.words.names import RowNames, name_fault
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ class RowReader:
         if not cell.text:
             return None
         if row_field and kind not in row_field.types and name != "offset":
-            if cell.text.strip("+-0.") not in ("", "n/a", "none"):
+            if cell.text.strip("+-0.").casefold() not in {"", *keys_in("values", "nothing")}:
                 self._note("bound-left-out" if kind is JointType.CONTINUOUS else "left-out", name)
             return None
         dimension = FIELDS[name].measures(slides=kind is JointType.PRISMATIC)

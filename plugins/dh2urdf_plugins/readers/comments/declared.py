@@ -270,14 +270,14 @@ def declare(
     One notice names all sentences of which something is taken. A line that says nothing but the convention is as good
     as a key, and has none. By row, each row has its convention.
     """
-    taken: dict[str, list[str]] = {}
+    taken: dict[str, dict[str, str]] = {}
     headers = statements.columns.units.values() if statements.columns else ()
     for sentence in sentences:
         cell = Cell(sentence.comment.line, sentence.comment.whole)
-        found = list[str]()
+        found: dict[str, str] = {}
         if sentence.convention and not by_row:
             if statements.convention is None:
-                found.append(f"convention: {sentence.convention}")
+                found["convention"] = sentence.convention
             statements.declare_implied_convention(sentence.convention, cell, add)
         for key, symbol in sentence.units.items():
             unit = UNITS[unit_word(symbol)]
@@ -285,12 +285,13 @@ def declare(
                 continue
             read = statements.units().of(unit.dimension)
             if unit.dimension not in statements.stated and (symbol != read.symbol if read else not unit.is_si):
-                found.append(f"{key}: {symbol}")
+                found[key] = symbol
             statements.declare_unit(Cell(symbol, cell.mark), key, add, said=cell.text)
-        if sentence.units.keys() & {each.partition(":")[0] for each in found} or (found and not sentence.is_bare):
-            taken.setdefault(cell.text, []).extend(found)
+        if sentence.units.keys() & found or (found and not sentence.is_bare):
+            taken.setdefault(cell.text, {}).update(found)
     if taken:
-        says = listed([f"{shown(line)} ({', '.join(said)})" for line, said in taken.items()])
+        declared = {line: ", ".join(map("{}: {}".format, said, said.values())) for line, said in taken.items()}
+        says = listed([f"{shown(line)} ({said})" for line, said in declared.items()])
         place = next(each.comment.whole for each in sentences if each.comment.line in taken)
         add(say("declared-by-sentences", place, says=says, verb="declares" if len(taken) == 1 else "declare"))
 

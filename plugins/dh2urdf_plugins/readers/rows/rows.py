@@ -115,13 +115,12 @@ class RowReader:
                 if not self._says(name):
                     self._note("part-missing", name, other=other, needs=accepted)
         if self.said is not None:
-            told = {name: cell for name, cell in cells.items() if cell.text}
-            if "type" in told and told["type"].mark is mark:  # it follows from the variables
-                del told["type"]
+            # A type with the mark of the row follows from the variables.
+            told = [
+                (key, cell) for key, cell in cells.items() if cell.text and (key != "type" or cell.mark is not mark)
+            ]
             units = self._units_of
-            self.said.append(
-                {key: Said(text=cell.text, mark=cell.mark, unit=units.get(key)) for key, cell in told.items()}
-            )
+            self.said.append({key: Said(text=cell.text, mark=cell.mark, unit=units.get(key)) for key, cell in told})
         if self.errors > before:
             return None
         return DHRow(
@@ -136,25 +135,21 @@ class RowReader:
         )
 
     def _name(self, field: str) -> str:
-        default = f"{field}_{self._number}"
         cell = self._cells.get(field)
-        if cell is None:
-            return default
-        if fault := name_fault(cell.text):
+        fault = name_fault(cell.text) if cell else None
+        if fault:
             self.add(Problem(message=fault[0], accepted=fault[1], **self._at(field)))
-            return default
-        return cell.text
+        return cell.text if cell and not fault else f"{field}_{self._number}"
 
     def _type(self) -> JointType:
         cell = self._cells.get("type")
-        if cell and cell.text:
-            kind = joint_type(cell.text)
-            if kind is None:
-                self._note("type-unknown", "type", suggestion=type_advice(cell.text))
-            return kind or JointType.REVOLUTE
-        if self.type_is_given or cell:
+        text = cell.text if cell else ""
+        kind = joint_type(text)
+        if text and kind is None:
+            self._note("type-unknown", "type", suggestion=type_advice(text))
+        elif not text and (self.type_is_given or cell):
             self._note("type-empty", "type")
-        return JointType.REVOLUTE
+        return kind or JointType.REVOLUTE
 
     # --- A cell -------------------------------------------------------------------------------------------------------
 

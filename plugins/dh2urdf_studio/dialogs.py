@@ -14,6 +14,7 @@ from dh2urdf.table_text import ANGLE_UNITS, LENGTH_UNITS
 from dh2urdf_studio import words
 from dh2urdf_studio.editing.edits import kept_table, kept_text
 from dh2urdf_studio.editing.opening import Opened, gallery, gallery_table
+from dh2urdf_studio.editing.reading import CellProblem
 from dh2urdf_studio.editing.save import saved
 from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.widgets import ANSWERED, row_of
@@ -307,8 +308,7 @@ async def show_error(title: str, error: Dh2UrdfError) -> None:
     told = []
     for problem in getattr(error, "problems", ())[:20]:
         where = f"{problem.joint}, {problem.field}: " if problem.joint and problem.field else ""
-        parts = [where + problem.message, problem.accepted and f"accepted: {problem.accepted}", problem.suggestion]
-        told.append("\n".join(part for part in parts if part))
+        told.append(where + CellProblem(problem=problem).text)
     await ask(title, told or [str(error)], look="studio-problem error", cancel="Close")
 
 

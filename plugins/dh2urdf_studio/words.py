@@ -87,19 +87,21 @@ def place(found: CellProblem, table: TableText) -> str:
     return f"row {found.row + 1}, {name}, {field}" if field else f"row {found.row + 1}, {name}: "
 
 
+def matrix(pose: RigidTransform, length: Unit, digits: int) -> list[list[str]]:
+    """The 4x4 matrix of a pose, row by row, its lengths in a unit and with some digits behind the point."""
+    r, t = pose
+    rows = [[*(plain(x, 4) for x in r[3 * i : 3 * i + 3]), plain(length.number(t[i]), digits)] for i in range(3)]
+    return [*rows, ["0", "0", "0", "1"]]
+
+
 def numbers(pose: RigidTransform, table: TableText, reach: float) -> str:
     """T(base → tool0) and the reach as HTML; numbers only, nothing that a person has typed."""
-    r, t = pose
     length, angle = UNITS[table.length_unit], UNITS[table.angle_unit]
-    digits = decimals(length, reach)
-    rows = [
-        " ".join(f"{plain(x, 4):>7}" for x in r[3 * i : 3 * i + 3]) + f" {plain(length.number(t[i]), digits):>9}"
-        for i in range(3)
-    ]
-    matrix = "\n".join([*rows, " ".join(f"{x:>7}" for x in "000") + f" {'1':>9}"])
+    digits, t = decimals(length, reach), pose.translation
+    lines = "\n".join(f"{x:>7} {y:>7} {z:>7} {far:>9}" for x, y, z, far in matrix(pose, length, digits))
     turn = ", ".join(plain(angle.number(x), 4) for x in pose.rpy)
     return (
-        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{matrix}</pre>'
+        f'<div><b>T(base_link → tool0)</b></div><pre class="studio-matrix">{lines}</pre>'
         f"<div>rpy <b>{turn}</b>{'°' if angle.degrees else ' rad'}</div>"
         f"<div>distance <b>{plain(length.number(math.hypot(*t)), digits)}</b> {length.symbol}, "
         f"reach at most <b>{plain(float(number_in(reach, length)), digits)}</b> {length.symbol}</div>"

@@ -199,7 +199,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     robot, table = figure.robot, figure.manipulator
     rows = {row.joint: number for number, row in enumerate(table.rows)} if table else {}
     above = {joint.child: joint for joint in robot.joints}
-    moved = {joint.child for joint in robot.moving_joints}
+    moved = {joint.child for joint in robot.moving_joints}  # and what hangs on them
     while more := {joint.child for joint in robot.joints if joint.parent in moved} - moved:
         moved |= more
     # So many reaches, and no more than half of a usual link, which the arrows of a frame would bury.
@@ -209,7 +209,6 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
     for link in robot.links:
         joint = above.get(link.name)
-        row = rows.get(joint.name) if joint else None
         bodies = bodies_of[link.name]
         near = [] if joint is None else [*bodies_of.get(joint.parent, ()), *bodies]
         if not any(part.layer == "links" for part in bodies):
@@ -224,7 +223,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
             label, layer = figure.title, "links"
         yield SceneNode(
             name=figure.name + link.name,
-            row=row,
+            row=rows.get(joint.name) if joint else None,
             figure=figure.name,
             grip=held.get(link.name),
             carrier=_carrier(figure, joint) if is_frame else None,

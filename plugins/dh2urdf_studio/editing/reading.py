@@ -46,9 +46,8 @@ class CellProblem:
     @property
     def text(self) -> str:
         """What is wrong and what to do, without the place in a file that nobody has seen."""
-        problem = self.problem
-        parts = [problem.message, f"accepted: {problem.accepted}" if problem.accepted else "", problem.suggestion or ""]
-        return "\n".join(filter(None, parts))
+        accepted = self.problem.accepted and f"accepted: {self.problem.accepted}"
+        return "\n".join(filter(None, (self.problem.message, accepted, self.problem.suggestion)))
 
     def units(self, table: TableText) -> list[str]:
         """The units that are an answer: those that the reader asks about, and of a notice the table's own."""

@@ -14,7 +14,7 @@ from dh2urdf_studio.drawing.strokes import NAMES, ORDER, where_x_is
 from dh2urdf_studio.page_data import PAGE
 from dh2urdf_studio.panels.poses import TICK
 from dh2urdf_studio.widgets import Panel, row_of, small_button
-from dh2urdf_studio.words import decimals, plain
+from dh2urdf_studio.words import decimals, matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -127,12 +127,8 @@ def _product(convention: Convention) -> str:
 
 def _equal(left: str, transform: RigidTransform, length: Unit, reach: float) -> str:
     """An equation with a transform in numbers on its right side."""
-    digits = max(_DIGITS, decimals(length, reach))
-    rows = [
-        [*(plain(x, _DIGITS) for x in transform.rotation[3 * row : 3 * row + 3]), plain(length.number(place), digits)]
-        for row, place in enumerate(transform.translation)
-    ]
-    numbers = [[text.replace("-", "−") for text in row] for row in (*rows, ["0", "0", "0", "1"])]
+    rows = matrix(transform, length, max(_DIGITS, decimals(length, reach)))
+    numbers = [[text.replace("-", "−") for text in row] for row in rows]
     return f'<div class="studio-matrices">{left}<span>=</span>{_matrix(numbers)}</div>'
 
 

@@ -393,7 +393,7 @@ BUDGETS = {
     "pipeline/dh2urdf/conversion": 1420,
     "pipeline/dh2urdf/documents": 920,
     "pipeline/dh2urdf/isolation": 1390,
-    "pipeline/dh2urdf/kinematics": 2680,
+    "pipeline/dh2urdf/kinematics": 2670,
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 970,
     "pipeline/dh2urdf/output": 1540,
@@ -421,7 +421,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/loaders": 2600,
     "plugins/dh2urdf_plugins/packages": 2030,
     "plugins/dh2urdf_plugins/readers": 7200,
-    "plugins/dh2urdf_plugins/transforms": 2160,
+    "plugins/dh2urdf_plugins/transforms": 2150,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6420,
 }

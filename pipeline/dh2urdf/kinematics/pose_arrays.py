@@ -98,12 +98,8 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
         about = {"value": repr(full), "kind": "flag", "accepted": "True or False"}
         raise RecordTypeError(say("argument-wrong", Mark(file=function), field="full", **about))
     moving = tuple(row.joint for row in manipulator.moving_rows)
-    return JointNames(
-        wanted=tuple(row.joint for row in manipulator.rows) if full else moving,
-        moving=moving,
-        whose=f"manipulator {shown(manipulator.name)}",
-        function=function,
-    )
+    wanted = tuple(row.joint for row in manipulator.rows) if full else moving
+    return JointNames(wanted, moving, whose=f"manipulator {shown(manipulator.name)}", function=function)
 
 
 # --- Robots
@@ -141,14 +137,9 @@ def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, Join
     """The joints on the way from the root to a link; a mapping may name the other joints of the robot too."""
     chain = KinematicChain.of(joints_between(robot, robot.root, tip))
     moving = tuple(joint.name for joint in chain.moving)
-    names = JointNames(
-        wanted=moving,
-        moving=moving,
-        known=tuple(joint.name for joint in robot.moving_joints if joint.name not in moving),
-        whose=f"the way of robot {shown(robot.name)} to {shown(tip)}",
-        function=function,
-    )
-    return chain, names
+    known = tuple(joint.name for joint in robot.moving_joints if joint.name not in moving)
+    whose = f"the way of robot {shown(robot.name)} to {shown(tip)}"
+    return chain, JointNames(moving, moving, known, whose=whose, function=function)
 
 
 # --- Arrays

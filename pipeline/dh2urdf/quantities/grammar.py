@@ -158,14 +158,11 @@ def symbol_key(name: str) -> str:
 
 def is_symbol(name: str) -> bool:
     """Whether a text can be a name for a length or an angle: no unit, constant, function or variable q."""
-    known = is_unit(name) or symbol_key(name) in (*_CONSTANTS, *FUNCTIONS, *OTHER_NAMES)
-    variable = re.fullmatch(_VARIABLE, symbol_key(name))
-    return (
-        bool(re.fullmatch(_NAME, name))
-        and name.casefold() not in _NO_NAMES
-        and not known
-        and not (variable and variable[1] != "d")
-    )
+    if not re.fullmatch(_NAME, name) or name.casefold() in _NO_NAMES or is_unit(name):
+        return False
+    key = symbol_key(name)
+    variable = re.fullmatch(_VARIABLE, key)
+    return key not in (*_CONSTANTS, *FUNCTIONS, *OTHER_NAMES) and not (variable and variable[1] != "d")
 
 
 class Parser:

@@ -133,12 +133,9 @@ def _shown(manipulator: Manipulator, options: AlphaSwapOptions) -> tuple[bool, l
 
     rows = manipulator.rows
     shown = [shows(row.visual, row.collision, weighed=is_weighed(row), touching=touching) for row in rows]
-    base_shows = shows(
-        manipulator.base_visual,
-        manipulator.base_collision,
-        weighed=manipulator.base_mass == 0.0,  # of any other mass, the inertia at least is that of its shape
-        touching=touching and options.base_collision,
-    )
+    weighed = manipulator.base_mass == 0.0  # of any other mass, the inertia at least is that of its shape
+    base, touches = (manipulator.base_visual, manipulator.base_collision), touching and options.base_collision
+    base_shows = shows(*base, weighed=weighed, touching=touches)
     # The rail of a prismatic joint has the joint's radius, and is a part of the link before.
     before = zip(rows, shown, [base_shows, *shown], strict=False)
     return base_shows, [own or (row.type is JointType.PRISMATIC and carries) for row, own, carries in before]

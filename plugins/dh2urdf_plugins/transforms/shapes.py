@@ -119,15 +119,11 @@ def direction_rpy(direction: Vec3) -> Vec3:
 
 def visuals(segments: list[Segment], style: Style) -> tuple[Visual, ...]:
     """The bodies of segments; those that are too short to see are left out."""
-    return tuple(
-        new_visual(
-            geometry=style.prism(length_of(segment.length, least=SHORTEST * style.radius)),
-            origin=origin(segment.centre, segment.rpy),
-            material=style.material,
-        )
-        for segment in segments
-        if style.draws(segment)
-    )
+    seen = []
+    for segment in filter(style.draws, segments):
+        body = style.prism(length_of(segment.length, least=SHORTEST * style.radius))
+        seen.append(new_visual(geometry=body, origin=origin(segment.centre, segment.rpy), material=style.material))
+    return tuple(seen)
 
 
 def caps(points: list[Quantities], style: Style) -> tuple[Visual, ...]:
@@ -143,14 +139,12 @@ def collisions(segments: list[Segment], style: Style) -> tuple[Collision, ...]:
     `remains` tells for which.
     """
     both_ends, shortest = 2.0 * style.radius, SHORTEST * style.radius
-    return tuple(
-        new_collision(
-            geometry=style.prism(length_of(segment.length, both_ends, least=shortest)),
-            origin=origin(segment.centre, segment.rpy),
-        )
-        for segment in segments
-        if for_some(abs(segment.length.value) - both_ends > shortest)
-    )
+    touching = []
+    for segment in segments:
+        if for_some(abs(segment.length.value) - both_ends > shortest):
+            body = style.prism(length_of(segment.length, both_ends, least=shortest))
+            touching.append(new_collision(geometry=body, origin=origin(segment.centre, segment.rpy)))
+    return tuple(touching)
 
 
 def remains(body: Geometry) -> Condition:

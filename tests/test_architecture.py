@@ -413,7 +413,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 230,
     "plugins/dh2urdf_plugins/collision_pairs": 420,
-    "plugins/dh2urdf_plugins/descriptions": 1310,
+    "plugins/dh2urdf_plugins/descriptions": 1290,
     "plugins/dh2urdf_plugins/edits": 500,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,

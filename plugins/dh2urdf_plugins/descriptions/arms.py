@@ -86,9 +86,6 @@ def _with_unit_axis(joint: Joint) -> Joint:
     return replace(joint, axis=scale(1.0 / length, joint.axis))
 
 
-# --- Rows -------------------------------------------------------------------------------------------------------------
-
-
 def _rows(
     solution: Solution, chain: Sequence[Joint], carried: Carried, mark: Mark
 ) -> tuple[tuple[DHRow, ...], list[Problem]]:
@@ -155,9 +152,6 @@ class _Names:
         self.taken.add(link)
         self.renamed |= {old: new for old, new in ((joint.name, name), (joint.child, link)) if old != new}
         return name, link
-
-
-# --- Notices ----------------------------------------------------------------------------------------------------------
 
 
 def _rounded(tree: Tree, tip: str, *, repair: bool) -> Iterator[Problem]:

@@ -152,9 +152,6 @@ def _number(text: str) -> float:
         return nan
 
 
-# --- Parts of π -------------------------------------------------------------------------------------------------------
-
-
 def part_of_pi(text: str) -> tuple[float, str] | None:
     """The multiple of π/4 that a number of 3 to 14 decimals is, rounded or cut to its last digit, and its word.
 
@@ -196,9 +193,6 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
                 element.set(attribute, text)
 
 
-# --- URDF -------------------------------------------------------------------------------------------------------------
-
-
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
     found.left_out += _left_out("urdf", root, file)
@@ -217,9 +211,6 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
     return found.take(urdf_reader.model_of(root, file))
 
 
-# --- SDF --------------------------------------------------------------------------------------------------------------
-
-
 def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
     model = sdf_reader.model_of(root, file)
     of = next((each for path in ("model", "world/model") for each in root.iterfind(path)), root)
@@ -230,9 +221,6 @@ def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
         offset, reference = (_number(mimic.findtext(tag, "0")) for tag in ("offset", "reference"))
         found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
     return found.take(model)
-
-
-# --- MJCF -------------------------------------------------------------------------------------------------------------
 
 
 def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:

@@ -225,8 +225,6 @@ class _File:
         self._check()
         return (x or 0.0, y or 0.0, z or 0.0)
 
-    # --- Joints -------------------------------------------------------------------------------------------------------
-
     def arm(self, default_name: str, slides: Sequence[bool]) -> Manipulator:
         """A table with the arm's name, and a row for each joint whose numbers mean nothing."""
         node = self.entries.get("joints")

@@ -36,9 +36,6 @@ STEEPEST = 10.0
 _ROUNDING = 4e-16
 
 
-# --- Sliding axes -----------------------------------------------------------------------------------------------------
-
-
 def place_sliding_axes(chain: Chain, precision: Precision, arm_length: float) -> Chain:
     """The chain of a file with the axis of each prismatic joint where most lengths [m] of its rows are zero."""
     for number, axis in enumerate(chain.axes):

@@ -477,7 +477,7 @@ def test_a_file_in_another_encoding(table: Table, encoding: str) -> None:
         assert isinstance(arm, Manipulator)
         same(arm, oracle(table.text))
     else:
-        assert encoding in ("utf-16-le", "utf-16-be"), "only UTF-16 without its mark may be too little to know"
+        assert encoding in ("utf-16-le", "utf-16-be"), "only UTF-16 without its mark is refused"
 
 
 @pytest.mark.long

@@ -534,8 +534,6 @@ ENCODED = {
     "UTF-8": ACCENTED.encode(),
     "UTF-8 with a byte order mark": ACCENTED.encode("utf-8-sig"),
     "UTF-16 with a byte order mark": ACCENTED.encode("utf-16"),
-    "UTF-16, little endian, without a mark (CSV)": ACCENTED.encode("utf-16-le"),
-    "UTF-16, big endian, without a mark (CSV)": ACCENTED.encode("utf-16-be"),
     "line ends LF": ACCENTED.encode(),
     "line ends CR LF": ACCENTED.replace("\n", "\r\n").encode(),
     "line ends CR": ACCENTED.replace("\n", "\r").encode(),

@@ -65,10 +65,10 @@ def test_what_is_to_be_said_of_a_file_is_said_once(read: Callable[..., list[Mani
     assert (len(first.notices), len(second.notices)) == (1, 0)
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_an_encoding_is_recognised(read_one: Callable[..., Manipulator], encoding: str, end: str) -> None:
-    """UTF-8 and UTF-16 with or without a byte order mark, any line ends, letters beyond ASCII."""
+    """UTF-8, and UTF-16 with its byte order mark, any line ends, letters beyond ASCII."""
     arm = read_one((HEADER + ROWS).replace("j1", "Grün").replace("\n", end).encode(encoding))
     assert [row.joint for row in arm.rows] == ["Grün", "j2"]
 

@@ -78,7 +78,11 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
     """The lines of a text file, without their ends, some thousand at a time."""
     check_file(path, TableError)
     with path.open("rb") as binary:
-        encoding = _encoding(binary.read(_SAMPLE), path)
+        sample = binary.read(_SAMPLE)
+        refuse_other_kind(sample, str(path), TableError, "a text file", _ACCEPTED)
+        encoding = next((_MARKS[mark] for mark in _MARKS if sample.startswith(mark)), "utf-8")
+        if encoding == "utf-32" or (encoding == "utf-8" and b"\0" in sample):
+            raise TableError(say("utf-32" if encoding == "utf-32" else "nul-bytes", Mark(file=str(path))))
         binary.seek(0)
         # Universal newlines: CR LF, CR and LF become "\n", also in a cell in quotes.
         decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), translate=True)
@@ -91,8 +95,8 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
                 at = line + 1 + error.object[: error.start].count(b"\n")
                 is_wide, byte = "16" in encoding, error.object[error.start]
                 perhaps = "" if is_wide else "; this may be Latin-1 or Windows-1252"
-                name, mark = "UTF-16" if is_wide else "UTF-8", Mark(file=str(path), line=at)
-                raise TableError(say("no-text", mark, byte=byte, name=name, perhaps=perhaps)) from None
+                about = {"byte": byte, "name": "UTF-16" if is_wide else "UTF-8", "perhaps": perhaps}
+                raise TableError(say("no-text", Mark(file=str(path), line=at), **about)) from None
             rest = lines.pop()
             if len(rest) > MAX_LINE:
                 raise TableError(say("long-line", Mark(file=str(path), line=line + len(lines) + 1), limit=MAX_LINE))
@@ -101,18 +105,6 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
             line += len(lines)
     if rest:
         yield [rest]
-
-
-def _encoding(sample: bytes, path: Path) -> str:
-    refuse_other_kind(sample, str(path), TableError, "a text file", _ACCEPTED)
-    # Tables are mostly ASCII, whose UTF-16 has a zero in every second byte: the first or the second of each pair.
-    half = len(sample) // 2 or 1
-    even, odd = sample[0::2].count(0) / half, sample[1::2].count(0) / half
-    guessed = "utf-16-le" if odd > 0.6 and even < 0.1 else "utf-16-be" if even > 0.6 and odd < 0.1 else "utf-8"  # noqa: PLR2004
-    encoding = next((_MARKS[mark] for mark in _MARKS if sample.startswith(mark)), guessed)
-    if encoding == "utf-32" or (encoding == "utf-8" and (even or odd)):
-        raise TableError(say("utf-32" if encoding == "utf-32" else "nul-bytes", Mark(file=str(path))))
-    return encoding
 
 
 # --- Rows -------------------------------------------------------------------------------------------------------------
@@ -164,7 +156,7 @@ class CsvRows:
             text = (commented_header(line.text) or "") if line.comment else line.text
             self.top[line.number] = line
             if len(text) > MAX_HEADER:
-                raise TableError(say("long-header", self._mark(line.number), length=len(text), most=MAX_HEADER))
+                raise TableError(say("long-header", self.mark(line.number), length=len(text), most=MAX_HEADER))
             found = delimiter_of(text, separator)
             # A header in a comment above the header itself only explains this: it names no link before.
             below = self.lines[line.end : line.end + MAX_TITLES] if line.comment and "1" not in line.text else ()
@@ -181,7 +173,7 @@ class CsvRows:
         for line in self.top.values():
             if line.comment and line is not header:
                 texts = enumerate(as_typed(line.text, self.delimiter), line.number)
-                yield from (CellRow([text], self._mark(number)) for number, text in texts)
+                yield from (CellRow([text], self.mark(number)) for number, text in texts)
             else:
                 yield self._cells(line.text, line.number)
 
@@ -240,7 +232,7 @@ class CsvRows:
                 continue
             kept: list[CellRow] = []
             for line, cells in zip(lines, batch, strict=True):
-                row = CellRow(cells, self._mark(line))
+                row = CellRow(cells, self.mark(line))
                 if cells == [SIGNS[0]]:
                     self.joints.after_gap = True
                     continue
@@ -299,7 +291,7 @@ class CsvRows:
         """What stands for a comment below the header; one that declares something would not hold for the rows above."""
         for text in as_typed(line, self.delimiter):
             try:
-                comment = comment_below(text, self._mark(number))
+                comment = comment_below(text, self.mark(number))
             except TableError:
                 if self.one_robot:
                     lines_of_table(self.path, None)  # it may be above another header
@@ -319,20 +311,17 @@ class CsvRows:
         number, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
         is_open = number == line and text.count('"') % 2
         if "limit" in error and not is_open:
-            return say("long-cell", self._mark(line), most=csv.field_size_limit())
+            return say("long-cell", self.mark(line), most=csv.field_size_limit())
         mark = Mark(file=self.file, line=line, column=text.find('"') + 1 or None)
         about = {"found": text or None, "text": shown(text.strip())}
         return say("text-behind-a-quote" if "expected after" in error else "open-quote", mark, **about)
 
     # --- Places -------------------------------------------------------------------------------------------------------
 
-    def _mark(self, number: int) -> Mark:
-        return Mark(file=self.file, line=number)
-
     def _placed(self, cells: Sequence[str], number: int, starts: Sequence[int]) -> CellRow:
         """Cells that start in some columns; those without one are where a cell goes on in the next line."""
         places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
-        return CellRow(cells, self._mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
+        return CellRow(cells, self.mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
 
     def _cells(self, line: str, number: int) -> CellRow:
         """The cells of a line above the rows."""
@@ -344,7 +333,7 @@ class CsvRows:
 
     def mark(self, key: int) -> Mark:
         """The line of a row, with the file."""
-        return self._mark(key)
+        return Mark(file=self.file, line=key)
 
     def row(self, key: int, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
         """A row with the places at which its cells start, and what is wrong with it."""

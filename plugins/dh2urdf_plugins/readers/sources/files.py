@@ -15,6 +15,7 @@ from dh2urdf.source import Mark, Messages
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.sources.delimited import CsvRows, line_blocks
 from dh2urdf_plugins.readers.sources.texts import all_tables, delimiter_of, form_of, grammar_rows, tables_of
+from dh2urdf_plugins.readers.table import one_by_one, read_rows
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows, choose
 
 if TYPE_CHECKING:
@@ -39,8 +40,6 @@ _LONGEST = 2**24
 
 def read_file(path: Path, options: TableOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a text of any form; see `read` of the stage ``csv``."""
-    from dh2urdf_plugins.readers.table import one_by_one
-
     return one_by_one(read_file_columns(path, options, trace))
 
 
@@ -48,15 +47,22 @@ def read_file_columns(
     path: Path, options: TableOptions, trace: Trace | None = None
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
     """The same, most of the manipulators of a CSV file in columns."""
-    from dh2urdf_plugins.readers.table import read_rows
-
     form = _form_of(path, named=bool(options.columns))
     if form == "yaml":
         from dh2urdf_plugins.readers.sources.documents import read_documents
 
         yield from read_documents(path, options, trace)
+        return
+    file = str(path)
+    if form == "csv" and not options.columns:
+        rows: RowSource = CsvRows(path, options.table_number)
     else:
-        yield from read_rows(_rows_of(path, form, options), str(path), options, path.stem, trace=trace)
+        text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
+        tables = all_tables(text, file, form) if form == "csv" else tables_of(text, file, form)
+        places = [str(table.rows[0].mark.in_file) for table in tables]
+        table = choose(tables, places, options.table_number, path)
+        rows = CellRows(grammar_rows(table, options.column_names, file), decimal_comma=True)
+    yield from read_rows(rows, file, options, path.stem, trace=trace)
 
 
 def _form_of(path: Path, *, named: bool = False) -> str:
@@ -71,18 +77,6 @@ def _form_of(path: Path, *, named: bool = False) -> str:
     if form == "csv" and named and any(map(delimiter_of, lines)):
         raise TableError(say("two-headers", Mark(file=str(path)), field="columns"))
     return form
-
-
-def _rows_of(path: Path, form: str, options: TableOptions) -> RowSource:
-    """The rows of the one table of a text, from what is around it on."""
-    if form == "csv" and not options.columns:
-        return CsvRows(path, options.table_number)
-    file = str(path)
-    text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
-    tables = all_tables(text, file, form) if form == "csv" else tables_of(text, file, form)
-    places = [str(table.rows[0].mark.in_file) for table in tables]
-    table = choose(tables, places, options.table_number, path)
-    return CellRows(grammar_rows(table, options.column_names, file), decimal_comma=True)
 
 
 _COMMA = re.compile(r"([-+−–]?\d+),(\d+)")

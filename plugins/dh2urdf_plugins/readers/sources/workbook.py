@@ -51,6 +51,7 @@ _STRICT = b"http://purl.oclc.org/ooxml/"
 MAX_ROW, MAX_COLUMN = 2**20, 2**14
 """The last row and column of a sheet in Excel."""
 _FEW = 8
+_YES = ("1", "true")
 _EXACT = 2**53
 """Whole numbers up to here are doubles."""
 _RAISED = str.maketrans("0123456789+-−oO", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁻ºº")
@@ -109,9 +110,10 @@ def _tables(path: Path, sheets: Sequence[Any], wanted: str | None) -> tuple[list
         by_title = {title.casefold(): sheet for title, sheet in zip(titles, sheets, strict=True)}
         if sheet := by_title.get(wanted.casefold()):
             return [SheetRows(sheet, path)], []
-        near = next((title for title in titles if did_you_mean(wanted, [title.casefold()])), None)
-        about = {"found": wanted, "titles": _listed(titles), "suggestion": near and f"did you mean {near!r}?"}
-        raise TableError(say("no-such-sheet", mark, field="sheet", **about))
+        near = did_you_mean(wanted, titles)
+        raise TableError(
+            say("no-such-sheet", mark, field="sheet", found=wanted, titles=_listed(titles), suggestion=near)
+        )
     hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible"]
     tables = [SheetRows(sheet, path) for sheet in sheets if sheet.sheet_state == "visible"]
     found = [table for table in tables if table.headers] or (tables if len(tables) == 1 else [])
@@ -281,8 +283,8 @@ class SheetRows:
         """A notice of hidden rows and columns, which are read as all others."""
         header = self.headers[0] if self.headers else CellRow([], Mark(file=str(self.path)))
         rows = [number for number in sorted(self.filled) if number >= (header.mark.line or 0)]
-        found = [f"row {row}" for row in rows if _is_hidden(self.layout.row_dimensions[str(row)])]
-        columns = [each for each in self.layout.column_dimensions.values() if _is_hidden(each)]
+        found = [f"row {row}" for row in rows if self.layout.row_dimensions[str(row)].get("hidden") in _YES]
+        columns = [each for each in self.layout.column_dimensions.values() if each.get("hidden") in _YES]
         for index, cell in enumerate(header.cells, start=1):
             if cell is not None and any(int(each["min"]) <= index <= int(each["max"]) for each in columns):
                 found.append(f"column {get_column_letter(index)}")
@@ -313,10 +315,6 @@ class SheetRows:
         except ShownOtherwiseError as error:
             return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
         return f"{text} {unit}" if unit else float(value) if is_double else text
-
-
-def _is_hidden(dimension: dict[str, str]) -> bool:
-    return dimension.get("hidden") in ("1", "true")
 
 
 def _of_fonts(blocks: Sequence[Any], mark: Mark) -> Value:

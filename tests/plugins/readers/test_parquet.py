@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import csv as python_csv
 import io
-import math
 import sys
 from contextlib import suppress
 from dataclasses import replace
@@ -496,17 +495,6 @@ def arm_of(given: Any) -> Manipulator:
     (arm,) = stages.PARQUET.read(given, STANDARD)
     assert isinstance(arm, Manipulator)
     return arm
-
-
-@pytest.mark.parametrize(("units", "a"), [(("mm", "deg", "mm"), 0.3), (("[m]", "[deg]", "[m]"), 300.0), ((), 300.0)])
-def test_a_row_of_units_in_columns_of_text(tmp_path: Path, units: tuple[str, ...], a: float) -> None:
-    """As in CSV and in workbooks; the rows below it keep their places."""
-    rows = [*([units] if units else []), ("300", "0", "0"), ("200", "90" if units else "90 deg", "0")]
-    columns = dict(zip(("a", "alpha", "d"), map(list, zip(*rows, strict=True)), strict=True))
-    pq.write_table(pa.table(columns), tmp_path / "arm.parquet")
-    arm = arm_of(tmp_path / "arm.parquet")
-    assert (arm.rows[0].a, arm.rows[1].alpha) == (a, math.pi / 2)
-    assert [row.mark.place for row in arm.rows if row.mark] == [f"row {k + bool(units)}" for k in (1, 2)]
 
 
 def test_an_index_of_pandas_without_a_name_is_that_of_the_joints(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
-from dh2urdf_plugins.readers.header.header_rows import completed, text_in
+from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.table import one_by_one, read_rows
 from dh2urdf_plugins.readers.tables.cell_rows import choose
@@ -120,7 +120,6 @@ class _ParquetRows:
         self.path = path
         self.cells: list[Callable[[Any], Sequence[Value]] | None] = []  # None: a column that is not read
         self.constant: list[str] = []  # what stands for each of its cells: nothing, or its type
-        self.skipped = 0  # rows at the top that are no joints
         self.below: list[Comment] = []
 
     def __iter__(self) -> Iterator[CellRow]:
@@ -136,20 +135,8 @@ class _ParquetRows:
         yield CellRow(headers, Mark(file=self.path), marks)
 
     def complete(self, header: CellRow) -> CellRow:
-        """The header with a row of units below it, which columns of text may hold."""
-        if not any(_kind(field.type) == "text" for field in self.fields):
-            return header
-        names = [field.name for field in self.fields if _is_readable(field)]
-        mark = Mark(file=self.path, line=1, place="row 1")
-        with _reporting_errors(mark, "the file is broken from here on"):
-            first = next(self.file.iter_batches(1, columns=names, use_threads=False), None)
-        if first is None or not first.num_rows:
-            return header
-        found = {name: first.column(name).to_pylist()[0] for name in names}
-        cells = [None if (cell := found.get(field.name)) is None or cell != cell else cell for field in self.fields]  # noqa: PLR0124 - not a number
-        joined = completed(header, self.row(1, ())[0]._replace(cells=cells))
-        self.skipped = joined is not None
-        return joined or header
+        """The header alone: a file has units in the names or in the metadata of its columns."""
+        return header
 
     def start(self, columns: Columns) -> Columns:
         """Takes the columns of the rows to come; none of them holds moments, lists or the like."""
@@ -168,7 +155,7 @@ class _ParquetRows:
         if problems:
             raise TableError(problems)
         robot = self.fields[columns.fields.index("robot")].name if "robot" in columns.fields else None
-        _refuse_one_manipulator(self.file, self.path, robot, self.skipped)
+        _refuse_one_manipulator(self.file, self.path, robot)
         return replace(columns, numbers=frozenset(numbers), quoted_commas=True)
 
     def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
@@ -188,8 +175,6 @@ class _ParquetRows:
                     for name, cells_of, constant in zip(names, self.cells, self.constant, strict=True)
                 ]
             rows = zip(*cells, strict=True)
-            while start <= self.skipped and next(rows, None):
-                start += 1
             while part := list(islice(rows, _PART)):
                 yield range(start, start + len(part)), part
                 start += len(part)
@@ -325,11 +310,10 @@ def _longest_text(path: Path, name: str, groups: list[int]) -> int:
         return longest
 
 
-def _refuse_one_manipulator(file: Any, path: str, robot: str | None, skipped: int) -> None:  # noqa: ANN401
+def _refuse_one_manipulator(file: Any, path: str, robot: str | None) -> None:  # noqa: ANN401
     """Refuses a file that declares more rows of one manipulator than are read."""
     if robot is None:
-        count = file.metadata.num_rows - skipped
-        if count > MAX_JOINTS:
+        if (count := file.metadata.num_rows) > MAX_JOINTS:
             raise TableError(too_many_joints(count, Mark(file=path)))
         return
     for group, _, chunk in _chunks(file, (robot,)):

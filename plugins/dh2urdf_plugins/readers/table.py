@@ -15,7 +15,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
+from dh2urdf_plugins.readers.options import TableOptions
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -90,8 +90,7 @@ def read_rows(
     """
     whole = Mark(file=file)
     try:
-        ignore = ignored_columns(options)
-        top = read_top(source, whole, statements, convention=options.convention, ignore=ignore)
+        top = read_top(source, whole, statements, convention=options.convention, ignore=options.ignored)
     except TableError as error:
         raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(name, whole), options, top, source, trace)

@@ -18,6 +18,7 @@ from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.top import is_header
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
+from dh2urdf_plugins.readers.words.comment_lines import MARKERS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -29,7 +30,6 @@ _LOOKED_AT = 1000
 """Lines that show the form of a text."""
 _FEWEST = 3
 """Numbers in a row of a table."""
-_MARKERS = ("#", "%", "//")
 _BARS = str.maketrans("│┃║─━═", "|||---") | dict.fromkeys(map(ord, "┌┬┐├┼┤└┴┘╔╦╗╠╬╣╚╩╝"), "+")
 _BAR_RULE = r"[\s|+:=-]+"
 """A line below the header of a table of Markdown, or between its rows."""
@@ -76,7 +76,7 @@ class TextTable(NamedTuple):
 def form_of(lines: Sequence[str]) -> str:  # noqa: PLR0911 - one for each form
     """What a text is: ``csv``, ``markdown``, ``latex``, ``yaml`` (which JSON is too), ``listing`` or ``blanks``."""
     some = [line[:MAX_HEADER].translate(_BARS) for line in lines[:_LOOKED_AT] if line.strip()]
-    plain = [line for line in some if not line.lstrip().startswith(_MARKERS)]
+    plain = [line for line in some if not line.lstrip().startswith(MARKERS)]
     text = "\n".join(plain)
     if "\\begin{" in text or ("\\\\" in text and "&" in text):
         return "latex"
@@ -296,7 +296,7 @@ def _without_columns(body: str, arguments: int) -> str:
 def _listing(text: str, file: str) -> Iterator[TextTable]:
     """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
     lines = text.split("\n")
-    comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(_MARKERS)]
+    comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(MARKERS)]
     around = [row for at, line in comments for row in _comment(line, Mark(file=file, line=at))]
     code = "\n".join(re.sub(r"(?:#|//|%).*", "", line) for line in lines)
     if found := re.search(_CHANGED, code):
@@ -341,7 +341,7 @@ def _blanks(lines: Sequence[str], file: str) -> TextTable:
     marked = [(Mark(file=file, line=at), line.strip()) for at, line in enumerate(lines, start=1) if line.strip()]
     table: list[CellRow] = []
     for single in (False, True):
-        rows = [_row(_spaced(line, single=single), mark) for mark, line in marked if not line.startswith(_MARKERS)]
+        rows = [_row(_spaced(line, single=single), mark) for mark, line in marked if not line.startswith(MARKERS)]
         widths = [len(row.cells) for row in rows]
         width = max(set(widths), key=lambda width: (widths.count(width), width), default=0)
         found = [row for row in rows if len(row.cells) == width or (len(row.cells) == width - 1 and is_header(row))]

@@ -71,7 +71,10 @@ say = Messages(__file__)
 def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) -> Iterator[Manipulator | Rejected]:
     """The manipulators of a workbook: those of every sheet that holds a table and is not hidden."""
     check_workbook(path)
-    book, sheets = open_sheets(path)
+    with reporting_errors(path):
+        opened = _Reader(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
+        opened.read()
+        sheets = opened.wb.worksheets  # without those that are charts
     try:
         tables, notices = _tables(path, sheets, options.sheet)
         found = [(table, at) for table in tables for at in range(1, len(table.headers) + 1)]
@@ -95,7 +98,7 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
                 yield Rejected(name=name, problems=tuple(error.problems), mark=place, notices=tuple(error.notices))
             notices = []
     finally:
-        book.close()
+        opened.wb.close()
 
 
 def _chosen(found: Sequence[tuple[SheetRows, int]], number: int | None, path: Path) -> tuple[SheetRows, int]:
@@ -195,14 +198,6 @@ class _Cells(WorkSheetParser):  # type: ignore[misc]
         if cell["value"] is None and cell["data_type"] != "str" and element.find(FORMULA_TAG) is not None:
             cell["data_type"] = "f"
         return cell
-
-
-def open_sheets(path: Path) -> tuple[Any, list[Any]]:
-    """A workbook of openpyxl, which the caller closes, and its sheets that are no charts."""
-    with reporting_errors(path):
-        opened = _Reader(path, read_only=True, data_only=True, keep_links=False, rich_text=True)
-        opened.read()
-        return opened.wb, opened.wb.worksheets
 
 
 @contextmanager

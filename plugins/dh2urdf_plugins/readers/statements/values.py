@@ -14,7 +14,7 @@ from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
 from dh2urdf.source import Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.statements import say
+from dh2urdf_plugins.readers.statements.statements import say
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 

@@ -298,8 +298,11 @@ class RowTable:
             if cells and self.one:  # what a record does not have is not empty
                 cells = {name: cell for name, cell in cells.items() if cell.text or cell.mark != mark}
             found.append((cells, mark))
-            if cells:
-                self._take_words(cells, rows.name, number, statements, reader)
+            if cells and (said := cells.pop("robot", None)) and not said.text and rows.name:
+                about = {"joint": f"joint_{number}", "field": "robot", "found": said.text}
+                reader.add(say("robot-unsaid", said.mark, **about, number=number, above=shown(rows.name)))
+            if cells and (convention := cells.pop("convention", None)):
+                statements.declare_convention(convention, reader.add)
             if _is_enough(reader):
                 return [None]
         if rows.keys and not found:
@@ -321,15 +324,6 @@ class RowTable:
             return say("row-of-units", mark, joint=joint, field="a", found=unit, header=header, unit=unit)
         again = texts[: len(columns.headers)] == columns.headers
         return say("header-again", mark, joint=joint, number=number, place=columns.mark.in_file) if again else None
-
-    @staticmethod
-    def _take_words(cells: Cells, robot: str, number: int, statements: Statements, reader: RowReader) -> None:
-        """Takes the manipulator and the convention out of the cells of a row."""
-        if (said := cells.pop("robot", None)) and not said.text and robot:
-            about = {"joint": f"joint_{number}", "field": "robot", "found": said.text}
-            reader.add(say("robot-unsaid", said.mark, **about, number=number, above=shown(robot)))
-        if convention := cells.pop("convention", None):
-            statements.declare_convention(convention, reader.add)
 
 
 def _is_enough(reader: RowReader) -> bool:
@@ -362,7 +356,10 @@ def _manipulator(
     if not rows:
         reader.add(say("no-joints", mark, field="joints"))
     arm = [row for row in rows if row]
-    reader.add(*_problems_of_all_rows(reader, statements))
+    reader.add(*(name_problems(reader.names) if reader.names else ()))
+    reader.add(*filter(None, [reader.rounded_angles()]))
+    reader.add(*bare_beside_cells(reader.units, reader.foreign, reader.bare))
+    reader.add(*extra_problems(reader.extras, statements.convention and statements.convention[0]))
     if statements.calibration and arm and not reader.errors:
         arm = _calibrated(arm, statements, mark, reader)
     _look_at_sizes(arm, statements, reader)
@@ -381,15 +378,6 @@ def _manipulator(
         own = dict(zip([row.joint for row in made.rows], trace.rows, strict=True))
         trace.rows = tuple(own.get(row.joint, {}) for row in found.rows)
     return found
-
-
-def _problems_of_all_rows(reader: RowReader, statements: Statements) -> Iterator[Problem]:
-    if reader.names:
-        yield from name_problems(reader.names)
-    if rounded := reader.rounded_angles():
-        yield rounded
-    yield from bare_beside_cells(reader.units, reader.foreign, reader.bare)
-    yield from extra_problems(reader.extras, statements.convention and statements.convention[0])
 
 
 def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, reader: RowReader) -> list[DHRow]:

@@ -83,11 +83,7 @@ def read_rows(
     notices: Iterable[Problem] = (),
     trace: Trace | None = None,
 ) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
-    """The same of rows in a source, but manipulators about which there is nothing to say come in columns.
-
-    Raises:
-        TableError: as of `read_table`.
-    """
+    """The same of rows in a source, but manipulators about which there is nothing to say come in columns."""
     whole = Mark(file=file)
     try:
         top = read_top(source, whole, statements, convention=options.convention, ignore=options.ignored)

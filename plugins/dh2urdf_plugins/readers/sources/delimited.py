@@ -95,7 +95,7 @@ def line_blocks(path: Path) -> Iterator[list[str]]:
                 at = line + 1 + error.object[: error.start].count(b"\n")
                 is_wide, byte = "16" in encoding, error.object[error.start]
                 perhaps = "" if is_wide else "; this may be Latin-1 or Windows-1252"
-                about = {"byte": byte, "name": "UTF-16" if is_wide else "UTF-8", "perhaps": perhaps}
+                about: dict[str, Any] = {"byte": byte, "name": "UTF-16" if is_wide else "UTF-8", "perhaps": perhaps}
                 raise TableError(say("no-text", Mark(file=str(path), line=at), **about)) from None
             rest = lines.pop()
             if len(rest) > MAX_LINE:

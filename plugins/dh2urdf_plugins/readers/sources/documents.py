@@ -47,8 +47,7 @@ _JOINTS = (
     *("dh_parameters", "dh_params", "dh_table", "dh", "links", "parameters", "params", "rows", "table", "chain"),
 )
 """What the joints are called, in dh2urdf and in other programs."""
-_UNIT_KEYS = {f"{kind}_{word}": kind for kind in ("length", "angle") for word in ("unit", "units")}
-_UNIT_KEYS |= {f"{word}_{kind}": kind for kind in ("length", "angle") for word in ("unit", "units")}
+_UNIT_KEY = r"(?i)(?:(length|angle)_units?|units?_(length|angle))"
 _OF_OTHER_PROGRAMS = ("columns", "dof", "version")
 """Keys that declare nothing of the arm."""
 _PARTS = {"limits": LIMITS, "com": COM, "inertia": INERTIA}
@@ -180,10 +179,10 @@ class Document:
         """Takes what holds for all rows; gives the keys of texts that are left out."""
         if key.startswith(IGNORED):
             return []
-        if kind := _UNIT_KEYS.get(key.casefold()):
+        if match := re.fullmatch(_UNIT_KEY, key):
             units = self.said.get("units")
             known = units.value if units is not None and isinstance(units.value, dict) else {}
-            self.said["units"] = replace(node, value={**known, kind: node}, text=None)
+            self.said["units"] = replace(node, value={**known, (match[1] or match[2]).casefold(): node}, text=None)
         elif key in KEYS:
             self.said[key] = node
         elif declared := declared_key(key):

@@ -68,13 +68,6 @@ class Rows:
     torn: bool = False  # other rows of the same manipulator stand elsewhere
     nameless: bool = False  # the column of robots is empty in some of them
 
-    def extend(self, keys: Sequence[Any], cells: Sequence[Row]) -> None:
-        """Adds rows, as many as are needed to see that there are too many."""
-        room = max(0, MAX_JOINTS - len(self.cells))
-        self.keys.extend(keys[:room])
-        self.cells.extend(cells[:room])
-        self.count += len(cells)
-
 
 class RowTable:
     """One file that is being read; with a trace, or as one manipulator, which is a record, it is read with care."""
@@ -178,7 +171,10 @@ class RowTable:
                     finished.append(rows)
                     rows = Rows(name)
                 rows.name = name or rows.name if rows.keys else name
-                rows.extend(keys[start : start + len(cells)], cells)
+                room = max(0, MAX_JOINTS - len(rows.cells))  # as many as are needed to see that there are too many
+                rows.keys += keys[start : start + min(room, len(cells))]
+                rows.cells += cells[:room]
+                rows.count += len(cells)
                 start += len(cells)
             yield self._torn(finished, rows)
         yield self._torn([rows])

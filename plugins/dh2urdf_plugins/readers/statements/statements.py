@@ -21,11 +21,12 @@ from dh2urdf.quantities import (
     is_unit,
     unit_word,
 )
-from dh2urdf.source import Mark, Messages, did_you_mean
+from dh2urdf.source import Mark, did_you_mean
 from dh2urdf.table_text import Said
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, Units, table_units
+from dh2urdf_plugins.readers.statements.values import Values, say
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import (
     ACCEPTED_CONVENTIONS,
@@ -57,13 +58,7 @@ PLACES = ("base", "tool", "payload")
 OPTIONS = "an option"
 """What marks name as the file of an option."""
 _OF_SI = (Dimension.LENGTH, Dimension.ANGLE)
-_MESSAGES = Messages(__file__)
 _BETWEEN = r"\s*[/&]\s*|\s+(?:and|und|et|y|e)\s+|\s+"
-
-
-def say(code: str, at: Cell | Node, field: str, *, mark: Mark | None = None, **words: Any) -> Problem:  # noqa: ANN401
-    """A problem of a statement, at the place and with the text of a cell or a node unless others are given."""
-    return _MESSAGES(code, mark or at.mark, **{"field": field, "found": at.text, **words})
 
 
 @dataclass(slots=True)
@@ -187,8 +182,6 @@ class Statements:
 
     def declare(self, key: str, node: Node, add: Callable[[Problem], None]) -> None:
         """Takes the value of one of the keys of `KINDS`."""
-        from dh2urdf_plugins.readers.statements.values import Values
-
         kind, is_whole = KINDS[key]
         is_word = isinstance(node.value, str) and key_of(node.value.casefold()) in keys_in("values", "identity")
         if is_word and key in PLACES:  # `tool: none`

@@ -12,9 +12,8 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import Inertia, LinkGeometry, MeshShape, Payload
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.rotations import ZERO, RigidTransform, Vec3, nearest_rotation
-from dh2urdf.source import Problem, did_you_mean
+from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
-from dh2urdf_plugins.readers.statements.statements import say
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
 
@@ -22,8 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from dh2urdf.documents import Node
+    from dh2urdf.source import Mark
     from dh2urdf_plugins.readers.header.units import Units
 
+_MESSAGES = Messages(__file__)
 ORTHONORMAL = 1e-9
 """Largest |RᵀR − 1| of a rotation that is taken without a word."""
 NEARLY_ORTHONORMAL = 1e-4
@@ -78,6 +79,11 @@ ACCEPTED = {
 _XYZ, _RPY = "write `xyz: [x, y, z]`", "write `rpy: [roll, pitch, yaw]`, or the whole as `matrix`"
 _MEANT = dict.fromkeys(("x", "y", "z", "translation", "position", "offset", "origin", "trans", "pos"), _XYZ)
 _MEANT |= dict.fromkeys(("rotation", "orientation", "quaternion", "quat", "euler", "roll", "pitch", "yaw", "rot"), _RPY)
+
+
+def say(code: str, at: Cell | Node, field: str, *, mark: Mark | None = None, **words: Any) -> Problem:  # noqa: ANN401
+    """A problem of a statement, at the place and with the text of a cell or a node unless others are given."""
+    return _MESSAGES(code, mark or at.mark, **{"field": field, "found": at.text, **words})
 
 
 class _WrongError(Exception):

@@ -61,12 +61,6 @@ class TableOptions:
         given = self.columns.split(",") if isinstance(self.columns, str) else self.columns or []
         return [str(name).strip() for name in given]
 
-    @property
-    def ignored(self) -> frozenset[str]:
-        """The headers of the columns that are left out."""
-        given = self.ignore if isinstance(self.ignore, list) else [self.ignore]
-        return frozenset(str(header).strip() for header in given if header is not None)
-
     def __post_init__(self) -> None:
         """Refuses words that mean nothing in any table, and a calibration that is no file.
 
@@ -95,6 +89,12 @@ class XlsxOptions(TableOptions):
     sheet: str | None = field(
         default=None, metadata={"help": "title of the sheet to read; every sheet with a table by default"}
     )
+
+
+def ignored_columns(options: TableOptions) -> frozenset[str]:
+    """The headers of the columns that are left out."""
+    given = options.ignore if isinstance(options.ignore, list) else [options.ignore]
+    return frozenset(str(header).strip() for header in given if header is not None)
 
 
 def given_by(options: TableOptions) -> dict[str, Any]:

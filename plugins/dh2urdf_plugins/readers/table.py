@@ -15,7 +15,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.source import Mark
 from dh2urdf.table_text import CellRow
 from dh2urdf_plugins.readers.comments.top import read_top
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.tables.cell_rows import CellRows
 from dh2urdf_plugins.readers.tables.row_table import RowTable
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -86,7 +86,8 @@ def read_rows(
     """The same of rows in a source, but manipulators about which there is nothing to say come in columns."""
     whole = Mark(file=file)
     try:
-        top = read_top(source, whole, statements, convention=options.convention, ignore=options.ignored)
+        ignore = ignored_columns(options)
+        top = read_top(source, whole, statements, convention=options.convention, ignore=ignore)
     except TableError as error:
         raise TableError(error.problems, [*notices, *error.notices]) from error
     table = RowTable(Cell(name, whole), options, top, source, trace)

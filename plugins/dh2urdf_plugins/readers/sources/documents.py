@@ -20,7 +20,7 @@ from dh2urdf.table_text import STATEMENTS, CellRow
 from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.options import TableOptions
+from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
 from dh2urdf_plugins.readers.sources.texts import named_columns, without_name
 from dh2urdf_plugins.readers.statements.statements import flow_text
@@ -118,7 +118,7 @@ def read_table(
     place = item.node.mark
     try:
         source = CellRows([*comments, *table.rows(options)], prose=False)
-        top = read_top(source, place, table.said, convention=options.convention, ignore=options.ignored)
+        top = read_top(source, place, table.said, convention=options.convention, ignore=ignored_columns(options))
         reader = RowTable(Cell(default_name, place), options, top, source, trace, one=True)
         (found,) = reader.manipulators()
     except TableError as error:

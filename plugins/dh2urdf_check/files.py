@@ -200,14 +200,15 @@ def urdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
     The outermost element of SRDF, which says what MoveIt does with a robot, is ``robot`` too.
     """
     for path, tag in roots.items():
-        is_urdf = tag == "robot" or (not tag and path.suffix.lower() == ".urdf")
-        if is_urdf and not _is_xacro(path) and ".srdf" not in path.suffixes:
+        suffix = path.suffix.lower()
+        is_urdf = tag == "robot" or (not tag and suffix == ".urdf")
+        if is_urdf and suffix != ".xacro" and ".srdf" not in path.suffixes:
             yield path
 
 
 def xacros(roots: Mapping[Path, str]) -> Iterator[Path]:
     """Files called ``.xacro`` whose robot has a name, and that no other includes."""
-    whole = _whole(roots, lambda path, tag: _is_xacro(path) and tag in {"robot", ""})
+    whole = _whole(roots, lambda path, tag: path.suffix.lower() == ".xacro" and tag in {"robot", ""})
     yield from (path for path, text in whole if ".srdf" not in path.suffixes and _NAMED.search(text))
 
 
@@ -219,10 +220,6 @@ def sdfs(roots: Mapping[Path, str]) -> Iterator[Path]:
 def mjcfs(roots: Mapping[Path, str]) -> Iterator[Path]:
     """Files whose outermost element is ``mujoco``, and that no other includes."""
     yield from (path for path, _ in _whole(roots, lambda _, tag: tag == "mujoco"))
-
-
-def _is_xacro(path: Path) -> bool:
-    return path.suffix.lower() == ".xacro"
 
 
 def _whole(roots: Mapping[Path, str], is_one: Callable[[Path, str], bool]) -> Iterator[tuple[Path, bytes]]:

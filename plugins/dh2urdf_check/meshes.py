@@ -50,9 +50,7 @@ class MeshFile(NamedTuple):
     """What is known of a file."""
 
     problem: str = ""  # why no mesh can be read from it; empty where one can, or may
-    sides: tuple[float, float, float] | None = (
-        None  # its extents along x, y and z in its own frame and unit, where they are known
-    )
+    sides: tuple[float, float, float] | None = None  # along x, y and z, in its own frame and unit
     is_planar: bool = False  # whether all its corners are in one plane
     triangles: int = 0  # how many a binary STL has
     is_text: bool = False  # whether it is an STL of text
@@ -62,17 +60,28 @@ class MeshFile(NamedTuple):
     is_odd: bool = False  # whether a first look did not settle it
 
 
+_MEASURED: Data[list[MeshFile]] = Data(list[MeshFile])
+
+
 def read_meshes(paths: Iterable[Path]) -> dict[Path, MeshFile]:
     """What is in some mesh files, as far as it is known."""
     found: dict[Path, MeshFile] = {}
-    left: dict[Path, bytes] = {}
+    left: dict[Path, tuple[bytes, str]] = {}
     for path in paths:
         if path.suffix.lower() in _READ and path.stat().st_size <= LARGEST:
             content = path.read_bytes()
             found[path] = _at_first_sight(content, path.suffix.lower())
             if found[path].is_odd and not found[path].problem:
-                left[path] = content
-    for path, each in _measured(left).items():
+                left[path] = content, path.suffix.lower()
+    if not left:
+        return found
+    try:
+        refuse_without_wall()
+        given = list(left.values())
+        answer = run_in_child(_behind_fence, given, timeout=_SECONDS, who="trimesh", encoding=_MEASURED)
+    except (ImportError, MemoryError, CrashError, ValueError):  # There is no trimesh, or no wall of the kernel.
+        return found
+    for path, each in zip(left, answer.value, strict=True):
         problem = "" if found[path].has_faces else each.problem  # trimesh knows less of COLLADA than readers do.
         found[path] = found[path]._replace(problem=problem, sides=each.sides, is_planar=each.is_planar)
     return found
@@ -160,22 +169,6 @@ def _largest(root: etree._Element, tag: str) -> float:
 
 
 # --- What trimesh reads -----------------------------------------------------------------------------------------------
-
-
-def _measured(files: dict[Path, bytes]) -> dict[Path, MeshFile]:
-    """What trimesh reads of some files, in a child behind the fence; nothing where it cannot be asked."""
-    if not files:
-        return {}
-    try:
-        refuse_without_wall()
-    except ValueError:
-        return {}
-    given = [(content, path.suffix.lower()) for path, content in files.items()]
-    try:
-        answer = run_in_child(_behind_fence, given, timeout=_SECONDS, who="trimesh", encoding=Data(list[MeshFile]))
-    except (ImportError, MemoryError, CrashError):
-        return {}
-    return dict(zip(files, answer.value, strict=True))
 
 
 def _behind_fence(files: list[tuple[bytes, str]]) -> list[MeshFile]:

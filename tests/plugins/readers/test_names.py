@@ -4,13 +4,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
 
 
 @pytest.mark.parametrize(
@@ -35,6 +34,16 @@ def test_a_name_that_nobody_can_see_is_none(sign: str) -> None:
     assert f"U+{ord(sign):04X}" in fault[0]
     assert fault[0].isprintable()
     assert name_fault("x" * (MAX_NAME + 1))
+
+
+@pytest.mark.parametrize("name", ["_j1_", "__j1__", "**j1**"])
+def test_a_name_in_typesetting_is_read_alike_fast_and_with_care(
+    name: str, read: Callable[..., list[Manipulator | Rejected]]
+) -> None:
+    """The two readings of `_j1_` differed, and the whole file was refused."""
+    (arm,) = read(f"joint,type,a,alpha,d\n{name},R,0.3,0,0\n", convention="standard")
+    assert isinstance(arm, Manipulator)
+    assert [row.joint for row in arm.rows] == ["j1"]
 
 
 @pytest.mark.parametrize("theta", ["θ2 - θ1", "q2-", "q2(+90°)", "0 (θ2)", "θ2 = 0"])

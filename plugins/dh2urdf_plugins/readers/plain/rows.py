@@ -50,8 +50,8 @@ _STILL = dict.fromkeys(DYNAMICS, ()) | dict.fromkeys(LIMITS, (None,)) | {"offset
 """What a joint that does not move may have of what is about motion."""
 _LARGEST = {JointType.REVOLUTE: LARGEST_LIMIT, JointType.PRISMATIC: sys.float_info.max}
 """The largest bound that needs no word, by the type of a joint; the other types have no bounds."""
-_PLAIN_NAME = re.compile(rf"(?![xyzXYZ]$)[A-Za-z_](?:[\w .:/+-]{{0,{MAX_NAME - 2}}}\w)?", re.ASCII).fullmatch
-"""A name that is no axis of a frame and no number, and that is written as it is called."""
+_PLAIN_NAME = re.compile(rf"(?![xyzXYZ]$)[A-Za-z](?:[\w .:/+-]{{0,{MAX_NAME - 2}}}\w)?", re.ASCII).fullmatch
+"""A name that is no axis of a frame and no number, and that has no typesetting: `_j1_` is j1 in Markdown."""
 
 
 class PlainRows:

@@ -1,9 +1,9 @@
 """The commands ``studio`` and ``view``: a page where a table is typed and the arm moves beside it, and one of robots.
 
-What it shows is thought out in modules that know no browser: tables and their edits (`edits`, `history`,
-`conversions`), the readers' answers (`reading`), what is to be drawn (`scene`), what is handed over (`save`), and
-a tab's state (`session`). `page`, `view_page`, `widgets` and `server` put it on the screen, with NiceGUI, which the
-extra ``dh2urdf[studio]`` installs; nothing outside them imports it.
+What they show is thought out in modules that know no browser: tables and their edits (`edits`, `conversions`), the
+readers' answers (`reading`), what is to be drawn (`scene`), what is handed over (`save`), a tab's state (`tab`,
+`session`, `viewing`). `scene_page`, with `page` and `view_page`, `widgets` and `server` put it on the screen, with
+NiceGUI, which the extra ``dh2urdf[studio]`` installs; nothing outside them imports it.
 """
 
 from __future__ import annotations

@@ -227,8 +227,8 @@ class Session(Tab):
             if self.measured is None or not frames.keys() >= set(self.measured):
                 return shown
             one, other = (frames[name].translation for name in self.measured)
-            is_line = math.dist(one, other) > LEAST_LENGTH * self.drawing.reach
-            return (*shown, Stroke(row=None, field="distance", points=(one, other))) if is_line else shown
+            line = Stroke(row=None, field="distance", points=(one, other))
+            return (*shown, line) if math.dist(one, other) > LEAST_LENGTH * self.drawing.reach else shown
         own = [stroke for stroke in self.drawing.strokes(self.q) if stroke.row == row]
         # A length a is the common normal; where it is 0, the cross product of the axes takes its place.
         more = ("line", "foot") if self.arm.manipulator.rows[row].a else ("line", "foot", "normal")

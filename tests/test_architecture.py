@@ -418,7 +418,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
     "plugins/dh2urdf_plugins/formats": 4060,
-    "plugins/dh2urdf_plugins/loaders": 2600,
+    "plugins/dh2urdf_plugins/loaders": 2610,
     "plugins/dh2urdf_plugins/packages": 2030,
     "plugins/dh2urdf_plugins/readers": 7120,
     "plugins/dh2urdf_plugins/transforms": 2150,

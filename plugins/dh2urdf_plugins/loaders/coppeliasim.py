@@ -22,11 +22,12 @@ from __future__ import annotations
 
 import fcntl
 import math
+import os
 import socket
 import sys
 import tempfile
 import time
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import replace
 from ipaddress import ip_address
 from pathlib import Path
@@ -50,6 +51,7 @@ from dh2urdf_plugins.loaders import measures
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from io import BufferedReader
 
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Joint
@@ -120,23 +122,34 @@ def load(request: LoadRequest, options: CoppeliaSimOptions) -> LoadReport:
 def turn(key: str, what: str, patience: float) -> Iterator[None]:
     """Wait up to some patience [s] until no other process of this machine uses a program, and use it alone.
 
-    The system ends the turn of a process that crashes or is killed. The locked file stays, for the next one.
+    The system ends the turn of a process that crashes or is killed.
     """
     path = Path(tempfile.gettempdir(), f"dh2urdf-{key}.lock".replace(":", "_"))
     deadline = time.monotonic() + patience
+    while (lock := _locked(path)) is None:
+        if time.monotonic() > deadline:
+            how = "use fewer workers, or start another one"
+            raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}")
+        time.sleep(_AGAIN)
+    with lock:
+        try:
+            yield
+        finally:
+            with suppress(PermissionError):  # Another user's file stays.
+                path.unlink()
+
+
+def _locked(path: Path) -> BufferedReader | None:
+    """Open and lock a file; None where another process has the lock, or has just removed the file."""
     with suppress(PermissionError):  # Another user's file can be locked, too.
         path.touch(mode=0o644)
-    with path.open("rb") as file:
-        while True:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > deadline:
-                    how = "use fewer workers, or start another one"
-                    raise LoaderError(f"{what} was busy with other files for {patience:g} s: {how}") from None
-                time.sleep(_AGAIN)
-        yield
+    with suppress(BlockingIOError, FileNotFoundError), ExitStack() as opened:
+        file = opened.enter_context(path.open("rb"))
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+            opened.pop_all()
+            return file
+    return None
 
 
 class Arm(measures.Model):

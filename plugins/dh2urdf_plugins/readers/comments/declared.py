@@ -24,7 +24,7 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
-from dh2urdf_plugins.readers.words.fields import convention_of, header_fields, joint_type, key_of, keys_in, near
+from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, header_fields, joint_type, key_of, keys_in, near
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -235,17 +235,24 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
     is_alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
     is_list = is_alone and len(list(filter(_unit, tokens))) > 1
     is_open = is_alone  # whether what is before shows that a unit is meant
-    for token, behind in pairwise([*tokens, "."]):
+    counts = {"1"} if any(_is("before", token) and _is("between", token) for token in tokens) else ()  # `unit = 1 mm`
+    padded = ["", "", *tokens, "."]
+    for earlier, before, token, behind in zip(padded, padded[1:], tokens, padded[3:], strict=False):
         unit = _unit(token)
         key = KEY_OF.get(unit.dimension) if unit else None
         is_other = (_is("no_units", token) and not is_list) or (token.casefold() == "in" and behind not in _ENDS)
+        goes_on = _is("between", behind)
         if unit and key and not is_other and not _is("of", behind):
-            if is_open:
+            field = FIELDS.get(earlier.casefold(), FIELDS["joint"])
+            is_last = (behind in _ENDS or goes_on) and len(token) > 1  # `metric, mm`
+            is_of_field = field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
+            if is_open or (before in _LISTING and (is_last or is_of_field)):
                 found.setdefault(key, set()).add(unit.symbol)
+                is_open = is_alone or behind in _LISTING or goes_on  # `kg mm` is one unit, and `kg, mm` are two
         elif token in _OPENING or any(_is(name, token) for name in _BEFORE_UNIT):
             is_open = True
-        elif not (token in _LISTING or _is("between", token)):
-            is_open = token.casefold() in _WHOLE and behind in _LISTING  # `a/mm`
+        elif not (token in _LISTING or _is("between", token) or token in counts):
+            is_open = False
     if len(fields & _LENGTHS) == 1 and "length" not in named:
         found.pop("length", None)  # `a in mm` says nothing of d
     return {key: units.pop() for key, units in found.items() if len(units) == 1}

@@ -258,7 +258,7 @@ class RowReader:
         direction = -1 if sign < 0 else 1
         for name, changes in (("offset", values["offset"]), (turn, direction < 0)):
             if kind is JointType.FIXED and changes:
-                self._note("change-of-fixed", name)
+                self._note("change-of-fixed", name, neutral={"offset": "0", "sign": "1", "flip": "false"}[name])
         home = "d" if kind is JointType.PRISMATIC else "theta"
         said = read.get(home)
         if said and said.variable:

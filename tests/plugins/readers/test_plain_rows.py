@@ -168,6 +168,26 @@ def test_the_fast_way_is_taken_by_plain_tables(tmp_path: Path, fast: list[int]) 
 
 
 @pytest.mark.parametrize(
+    ("units", "columns", "cells"),
+    [
+        ("length: mm, angle: rad", "type,a,d,alpha", "300,100,1.2"),
+        ("length: mm, angle: rad", "type,a,d,alpha,offset,lower,upper,velocity", "300,100,1.2,0.5,-1,1,2"),
+        ("length: m, angle: deg", "type,a,d,alpha,lower,upper,effort", "0.3,0.1,70,-1,1,5"),
+    ],
+)
+def test_the_fast_way_is_taken_where_joints_slide(
+    units: str, columns: str, cells: str, tmp_path: Path, fast: list[int]
+) -> None:
+    """In any unit: it took thirty times as long where a column has angles in one row and lengths in another."""
+    rows = [f"r{k},{kind},{cells}" for k in range(40) for kind in ("R", "P")]
+    content = "\n".join([f"# units: {{{units}}}", f"robot,{columns}", *rows])
+    read = outcome(tmp_path / "arms.csv", content, convention="standard")
+    assert any(fast)
+    with without_the_fast_way():
+        assert read == outcome(tmp_path / "arms.csv", content, convention="standard")
+
+
+@pytest.mark.parametrize(
     ("cells", "is_fast"),
     [
         ("0.3,90 deg,0,-170°,170°,180 deg/s", True),

@@ -25,13 +25,13 @@ _TINY = "[eE]-[0-9]{3}"
 
 
 class PlainNumbers:
-    """Reads the columns of a field, in a table of some units."""
+    """Reads the columns of a field, in rows of joints that turn or slide, in a table of some units."""
 
-    def __init__(self, name: str, units: Units) -> None:
+    def __init__(self, name: str, units: Units, *, slides: bool = False) -> None:
         self.has_expressions = False  # whether anything but decimal numbers was among those that were read last
         self.foreign = False  # whether any cell so far names another unit than the SI unit
         self.bare = False  # whether any number so far, 0 left aside, is in the SI unit since nothing says its unit
-        self._dimension = FIELDS[name].measures()
+        self._dimension = FIELDS[name].measures(slides=slides)
         self._unit, self._angle = units.unit_of(name, self._dimension), units.in_functions
         self._known: dict[Any, float] = {}
 

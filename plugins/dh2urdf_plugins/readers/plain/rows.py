@@ -64,10 +64,11 @@ class PlainRows:
         others = set(range(len(columns.fields))) - {*self.column.values(), *columns.ignored}
         self.others = {index: set[str]() for index in sorted(others)}
         self.usable = self._is_usable(columns, units)
-        # A column that may be an angle in one row and a length in the next has to be in SI units in both.
-        in_si = all(unit.is_si for unit in (*units.known.values(), *units.columns.values()))
-        self.slides = in_si and not units.doubts and not any(FIELDS[name].linear for name in units.columns)
         self.numbers = {name: PlainNumbers(name, units) for name in _NUMBERS if name in self.column}
+        # Columns that have another unit in the rows of joints that slide, such as limits.
+        linear = {name: kind for name in self.numbers if (kind := FIELDS[name].linear)}
+        self.sliding = {name: PlainNumbers(name, units, slides=True) for name in linear}
+        self.slides = not any(name in units.columns or units.doubt(kind, name) for name, kind in linear.items())
         self.kinds: dict[str, JointType] = {"": JointType.REVOLUTE, **columns.types}  # "": a table without types
         self.names = set[tuple[tuple[str, ...], tuple[str, ...]]]()
         self.sample = PlainSample()
@@ -105,12 +106,10 @@ class PlainRows:
         if names is None or not self._are_kinds(words) or not self._are_left_out(columns):
             return None
         kinds, values = [self.kinds[word] for word in words], dict[str, list[Any]]()
-        for name, numbers in self.numbers.items():
-            cells = columns[self.column[name]]
-            found = numbers.read_some(cells) if name in LIMITS else numbers.read(cells)
-            # A multiple of π is no length.
-            mixed = numbers.has_expressions and FIELDS[name].linear and JointType.PRISMATIC in kinds
-            if found is None or mixed:
+        slides = [kind is JointType.PRISMATIC for kind in kinds]
+        for name in self.numbers:
+            found = self._numbers(name, columns[self.column[name]], slides)
+            if found is None:
                 return None
             values[name] = list(found)
         lengths = list(map(add, map(abs, values["a"]), map(abs, values["d"])))
@@ -126,6 +125,20 @@ class PlainRows:
             (members, tuple([_row_in_columns(alike, geometry, where) for where in places]))
             for members, places in _forms((*alike.values(), *missing), sizes)
         ]
+
+    def _numbers(self, name: str, cells: Sequence[Any], slides: Sequence[bool]) -> Sequence[float | None] | None:
+        """The numbers of a column, given which rows slide; None where one of them is not plain."""
+        if name not in self.sliding or not any(slides):
+            return self.numbers[name].read_some(cells) if name in LIMITS else self.numbers[name].read(cells)
+        given = []
+        for numbers, which in ((self.numbers[name], False), (self.sliding[name], True)):
+            some = [cell for cell, is_sliding in zip(cells, slides, strict=True) if is_sliding is which]
+            read = numbers.read_some if name in LIMITS else numbers.read
+            found = read(some) if some else []
+            if found is None or (which and numbers.has_expressions):  # A multiple of π is no length.
+                return None
+            given.append(iter(found))
+        return [next(given[is_sliding]) for is_sliding in slides]
 
     def _are_left_out(self, columns: Sequence[Sequence[str]]) -> bool:
         """Whether columns that name no field hold nothing to speak of: what was spoken of, no quantities, no types."""
@@ -148,10 +161,11 @@ class PlainRows:
 
     def _are_in_doubt(self) -> bool:
         """Whether cells name units, and a number that nothing says the unit of is beside them, or outside of rows."""
-        named = [name for name, each in self.numbers.items() if each.foreign]
+        readers = [*self.numbers.items(), *self.sliding.items()]
+        named = [name for name, each in readers if each.foreign]
         beside = {other for name in named for other in group_of(name)}
         beside |= {"velocity"} if not beside.isdisjoint(group_of("offset")) else set()
-        return bool(named and self.units.bare) or any(self.numbers[name].bare for name in beside & self.numbers.keys())
+        return bool(named and self.units.bare) or any(each.bare for name, each in readers if name in beside)
 
     # --- Words
 

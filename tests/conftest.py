@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
 
 REFERENCE = Path(__file__).with_name("reference")
-collect_ignore = ["example_plugin"]
-"""It has tests of its own, for which it has to be installed: test_example_plugin.py does that."""
 
 # A shell starts jobs in the background with Ctrl-C ignored, and so would be the commands that the tests interrupt.
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
@@ -136,15 +134,9 @@ def _why_not(name: str) -> str:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--renew", action="store_true", help="write generated files instead of comparing them")
     parser.addoption(
-        "--renew",
-        action="store_true",
-        help="write generated files instead of comparing them",
-    )
-    parser.addoption(
-        "--other-words",
-        action="store_true",
-        help="change the words of every message: tests of kind `arm` still pass",
+        "--other-words", action="store_true", help="change the words of every message: tests of kind `arm` still pass"
     )
 
 

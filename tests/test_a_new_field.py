@@ -20,10 +20,7 @@ WEAR = '    "wear": RowField(Dimension.NUMBER, negative=False),\n'
 ADDED = {
     "pipeline/dh2urdf/manipulator.py": (OLD, f"{NEW}    wear: float | None = None\n"),
     "pipeline/dh2urdf/robot.py": (OLD, NEW),
-    "pipeline/dh2urdf/columns.py": (
-        "    **dict.fromkeys(COM,",
-        f"{GEAR_RATIO}{WEAR}    **dict.fromkeys(COM,",
-    ),
+    "pipeline/dh2urdf/columns.py": ("    **dict.fromkeys(COM,", f"{GEAR_RATIO}{WEAR}    **dict.fromkeys(COM,"),
     "plugins/dh2urdf_plugins/formats/urdf/writer.py": (
         '("friction", joint.friction))',
         '("friction", joint.friction), ("gear", joint.gear_ratio))',

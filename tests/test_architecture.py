@@ -39,32 +39,14 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 HOST = ROOT / "pipeline" / "dh2urdf"
 PLUGINS = tuple(ROOT / "plugins" / f"dh2urdf_{name}" for name in ("check", "plugins", "studio"))
-EXAMPLES = (ROOT / "tests" / "example_plugin", *sorted((ROOT / "examples").iterdir()))
+EXAMPLES = tuple(sorted((ROOT / "examples").iterdir()))
 HOOKS = {**{f"dh2urdf_{kind}s": record for kind, record in RECORDS.items()}, "dh2urdf_commands": Subcommand}
 """The hooks, and the record that each gives."""
 
 SIMULATORS = {"pybullet", "mujoco", "pinocchio", "pydrake", "zmq"}
 HEAVY = SIMULATORS | {
-    *(
-        "dask",
-        "distributed",
-        "fastapi",
-        "fsspec",
-        "nicegui",
-        "s3fs",
-        "jinja2",
-        "matplotlib",
-        "numpy",
-        "openpyxl",
-        "pandas",
-        "pyarrow",
-        "scipy",
-        "pydantic",
-        "xacro",
-        "rich",
-        "uvicorn",
-        "PIL",
-    )
+    *("dask", "distributed", "fastapi", "fsspec", "nicegui", "s3fs", "jinja2", "matplotlib", "numpy", "openpyxl"),
+    *("pandas", "pyarrow", "scipy", "pydantic", "xacro", "rich", "uvicorn", "PIL"),
 }
 
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
@@ -146,11 +128,8 @@ class TestImportDirection:
                 "pybullet",
                 "remote",
                 "report",
-                "sampling",
-                "studio",
-                "testing",
-                "xlsx",
             ),
+            *("sampling", "studio", "testing", "xlsx"),
         )
         requirements = [*project["dependencies"], *(package for extra in asked for package in extras[extra])]
         names = {re.split(r"[^\w-]", requirement)[0] for requirement in requirements}

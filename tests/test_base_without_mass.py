@@ -97,11 +97,7 @@ def test_every_profile_of_every_table(folder: Path, table: str, profile: str) ->
 
 @pytest.mark.parametrize(
     ("first", "second", "emitter"),
-    [
-        ("full", "none", "urdf, options: {profile: gazebo}"),
-        ("none", "full", "xacro"),
-        ("full", "weighed", "sdf"),
-    ],
+    [("full", "none", "urdf, options: {profile: gazebo}"), ("none", "full", "xacro"), ("full", "weighed", "sdf")],
 )
 def test_a_cell_of_such_arms(folder: Path, cli: Cli, first: str, second: str, emitter: str) -> None:
     """Two arms beside each other, and one that stands on the tool of another."""
@@ -124,12 +120,7 @@ def test_a_package_for_gazebo(folder: Path, cli: Cli) -> None:
 
 @pytest.mark.parametrize(
     ("emitter", "options", "said"),
-    [
-        ("urdf", {}, DROPS),
-        ("urdf", {"profile": "gazebo"}, FILLED),
-        ("sdf", {}, FILLED),
-        ("mjcf", {}, ""),
-    ],
+    [("urdf", {}, DROPS), ("urdf", {"profile": "gazebo"}, FILLED), ("sdf", {}, FILLED), ("mjcf", {}, "")],
 )
 def test_a_mass_of_0_is_a_choice(folder: Path, emitter: str, options: dict[str, Any], said: str) -> None:
     """The notice names Gazebo where the file's base has no mass, or one that the table does not state."""

@@ -133,9 +133,7 @@ def test_what_is_printed_by_all_ways_arrives(
     assert said in answer.stderr
 
 
-def test_dots_without_an_end_take_no_time(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]],
-) -> None:
+def test_dots_without_an_end_take_no_time(made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]]) -> None:
     """A hundred thousand dots in one line; each was joined with all before it, which took minutes."""
     begun = time.monotonic()
     answer, states = made("emit", "[print('.', end='') for _ in range(100_000)]", "--workers", "1")

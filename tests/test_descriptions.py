@@ -57,6 +57,4 @@ def test_a_change_that_no_rule_predicts_is_found(bench: descriptions.Bench, monk
     monkeypatch.setattr(descriptions, "predicted", lambda _: nothing)
     spoilt = read(SOUND.replace('effort="20"', 'effort="-20"'))
     found = {tried.consumer: tried.wrong for tried in bench.tried(descriptions.Case(spoilt, "plain", ()), ["mujoco"])}
-    assert found == {
-        "mujoco": descriptions.Wrong("mujoco", "altered", (), "effort of a revolute joint is ~, not ~"),
-    }
+    assert found == {"mujoco": descriptions.Wrong("mujoco", "altered", (), "effort of a revolute joint is ~, not ~")}

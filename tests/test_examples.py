@@ -49,11 +49,7 @@ class Lab(NamedTuple):
         inherited = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
         result = subprocess.run(
             words,
-            env={
-                **inherited,
-                "PATH": f"{self.commands}{os.pathsep}{os.environ['PATH']}",
-                "PYTEST_ADDOPTS": ADDOPTS,
-            },
+            env={**inherited, "PATH": f"{self.commands}{os.pathsep}{os.environ['PATH']}", "PYTEST_ADDOPTS": ADDOPTS},
             cwd=self.folder / where,
             capture_output=True,
             encoding="utf-8",

@@ -55,10 +55,7 @@ def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [
-        lambda row: replace(row, a=row.a + 1e-9),
-        lambda row: replace(row, limits=replace(row.limits, effort=7.0)),
-    ],
+    [lambda row: replace(row, a=row.a + 1e-9), lambda row: replace(row, limits=replace(row.limits, effort=7.0))],
     ids=["a", "effort"],
 )
 def test_a_wrong_reading_is_found(change: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -130,11 +130,7 @@ MJCF_TEXTS = (
     '</asset><worldbody><body name="{0}" pos="{0}" quat="{0}" childclass="{0}"><joint name="{0}" type="{0}" range="{0}"/>'
     '<geom size="{0}" mesh="{0}" fromto="{0}" rgba="{0}"/></body></worldbody></mujoco>'
 )
-XML_TEXTS = {
-    "urdf names": (".urdf", URDF_NAMES),
-    "sdf": (".sdf", SDF_TEXTS),
-    "mjcf": (".mjcf", MJCF_TEXTS),
-}
+XML_TEXTS = {"urdf names": (".urdf", URDF_NAMES), "sdf": (".sdf", SDF_TEXTS), "mjcf": (".mjcf", MJCF_TEXTS)}
 READ_AND_CHECKED: dict[str, tuple[Callable[[Path], object], Callable[[Path], object]]] = {
     ".urdf": (read_urdf, inspect_urdf),
     ".sdf": (read_sdf, inspect_sdf),

@@ -29,9 +29,13 @@ CONFIGS = Path(__file__).parents[1] / "configs"
 FILES = {"ur5.urdf", "ur5_macro.xacro", "ur5.urdf.xacro", "ur5.png", "ur5.mujoco.png"}
 
 
+UNHURRIED = "from dh2urdf.cli import main, run; run.LINE_EVERY = float('inf'); main()"
+"""The command, which says nothing of its progress on a machine where it takes more than ten seconds."""
+
+
 def run_in(folder: Path) -> CompletedProcess[str]:
     """The command in a folder that holds a copy of configs."""
-    done = python("-c", "from dh2urdf.cli import main; main()", "run", "configs/ur5.yaml", folder=folder)
+    done = python("-c", UNHURRIED, "run", "configs/ur5.yaml", folder=folder)
     assert done.returncode == 0, done.stderr
     return done
 
@@ -100,9 +104,7 @@ def test_the_report_knows_every_file(output: Path, manipulator: dict[str, Any]) 
 
 
 def test_an_oracle_agrees(
-    output: Path,
-    reference_robots: Sequence[Any],
-    tool0_of: Callable[[Path], Callable[[Sequence[float]], np.ndarray]],
+    output: Path, reference_robots: Sequence[Any], tool0_of: Callable[[Path], Callable[[Sequence[float]], np.ndarray]]
 ) -> None:
     """The file has the poses that Universal Robots' own figures give, within the tenth of a micrometre of their digits."""
     ur5 = next(robot for robot in reference_robots if robot.id == "urdoc_ur5")

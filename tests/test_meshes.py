@@ -128,55 +128,6 @@ def test_meshes_stand_where_the_table_has_them(
             assert corner == pytest.approx(np.array(SIZE) / 2, rel=1e-6)
 
 
-def test_every_simulator_finds_the_meshes_and_the_same_masses(folder: Path, cli: Callable[..., Answer]) -> None:
-    """PyBullet, MuJoCo, Pinocchio and yourdfpy: bounds of what touches, and 1000 kg/m³ times the volume."""
-    import mujoco
-    import pinocchio
-    import pybullet
-    import yourdfpy
-
-    (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.obj", "link_mm.stl"))
-    cli("convert", "arm.yaml", "-o", "out/arm.urdf")
-    path = str(folder / "out/arm.urdf")
-    link = 1000.0 * math.prod(SIZE)
-
-    model = mujoco.MjModel.from_xml_path(path)
-    assert model.ngeom == 8
-    assert sorted(model.body_mass[1:]) == pytest.approx(sorted([link] * 4 + [0.0] * (model.nbody - 5)), rel=1e-5)
-    spread = model.mesh_vert.reshape(-1, 3)
-    assert np.abs(spread).max() == pytest.approx(max(SIZE) / 2, rel=1e-5)
-
-    assert pinocchio.buildModelFromUrdf(path).inertias[1].mass == pytest.approx(link, rel=1e-6)
-
-    description = yourdfpy.URDF.load(path, build_collision_scene_graph=True, load_collision_meshes=True)
-    for name, dh_frame in zip(("base_link_inertia", "link_1"), dh_poses("standard", [0, 0, 0]), strict=False):
-        origin = matrix(*ORIGINS[0]) if name == "link_1" else np.eye(4)
-        corners = trimesh.transform_points(trimesh.creation.box(SIZE).vertices, dh_frame @ origin)
-        geometry = description.link_map[name].collisions[0]
-        place = description.get_transform(name, "base_link") @ geometry.origin
-        found = trimesh.transform_points(
-            trimesh.load_mesh(folder / "out" / geometry.geometry.mesh.filename).vertices, place
-        )
-        assert found.max(axis=0) == pytest.approx(corners.max(axis=0), abs=1e-6)
-
-    client = pybullet.connect(pybullet.DIRECT)
-    try:
-        body = pybullet.loadURDF(path, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
-        poses = dh_poses("standard", [0, 0, 0])
-        for index in range(pybullet.getNumJoints(body)):
-            name = pybullet.getJointInfo(body, index)[12].decode()
-            if name in ("link_1", "link_2", "link_3"):
-                number = int(name[-1])
-                assert pybullet.getDynamicsInfo(body, index)[0] == pytest.approx(link, rel=1e-5)
-                T = poses[number] @ matrix(*ORIGINS[number - 1])
-                corners = trimesh.transform_points(trimesh.creation.box(SIZE).vertices, T)
-                low, high = pybullet.getAABB(body, index)
-                assert low == pytest.approx(corners.min(axis=0), abs=0.006)  # Bullet's margins
-                assert high == pytest.approx(corners.max(axis=0), abs=0.006)
-    finally:
-        pybullet.disconnect(client)
-
-
 def test_the_expanded_xacro_has_the_meshes_of_the_urdf(folder: Path, cli: Callable[..., Answer]) -> None:
     """Names, scales and origins; the copies lie beside both."""
     (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.obj", "link_mm.stl"))
@@ -263,28 +214,6 @@ class TestRuns:
         assert report["findings"] == []
         assert report["mass_error"] < 1e-6
         assert report["picture"] == "arm.png"
-
-    def test_a_changed_mesh_makes_its_robots_again(self, folder: Path, cli: Callable[..., Answer]) -> None:
-        """With its new mass; the others are kept."""
-        for name in ("arm.csv", "other.csv"):
-            (folder / name).write_text(CSV)
-        (folder / "run.yaml").write_text(RUN.replace("inputs: arm.csv\n", "inputs: [arm.csv, other.csv]\n"))
-
-        def keys(*words: str) -> list[str]:
-            cli("run", "run.yaml", "-o", "out", *words)
-            return [json.loads(line)["key"] for line in (folder / "out/manifest.jsonl").read_text().splitlines()]
-
-        first = keys()
-        before = (folder / "out/arm.urdf").read_bytes()
-        other = (folder / "out/other.urdf").stat().st_mtime_ns
-        assert keys("--resume") == first
-        trimesh.creation.box((0.1, 0.1, 0.1)).export(folder / "meshes/link.stl")
-        changed = keys("--resume")
-        assert (changed[0] != first[0], changed[1]) == (True, first[1])
-        assert (folder / "out/arm.urdf").read_bytes() != before
-        assert (folder / "out/other.urdf").stat().st_mtime_ns == other
-        for name in mesh_names(folder / "out/arm.urdf"):
-            assert (folder / "out" / name).is_file()
 
 
 def test_without_trimesh_the_message_says_what_to_install(

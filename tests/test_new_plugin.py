@@ -181,3 +181,21 @@ def test_what_is_written_does_not_depend_on_the_length_of_the_name(cli: Callable
             place.mkdir(exist_ok=True)
             cli("new-plugin", name, "--kind", "emitter", "--dir", str(place), *filter(None, [size]))
             leaves_ruff_nothing_to_say(place / name)
+
+
+def test_a_function_that_takes_other_options_is_no_valid_type(tmp_path: Path, types_cache: Path) -> None:
+    """mypy --strict rejects a record whose function does not take its options."""
+    lines = (
+        "from collections.abc import Sequence",
+        "from dh2urdf.robot import Robot",
+        "from dh2urdf.stages import EmittedFile, Emitter, NoOptions",
+        "class Other: ...",
+        "def emit(robot: Robot, stem: str, options: Other, /) -> Sequence[EmittedFile]: return ()",
+        "right: Emitter[Other] = Emitter(name='right', summary='', emit=emit, options=Other, suffixes=())",
+        "wrong: Emitter[NoOptions] = Emitter(name='wrong', summary='', emit=emit, options=NoOptions, suffixes=())",
+    )
+    (tmp_path / "stages.py").write_text("\n".join(lines), "utf-8")
+    words = ("-m", "mypy", "--strict", "--config-file=", "--cache-dir", types_cache, "stages.py")
+    checked = python(*words, folder=tmp_path)
+    assert checked.returncode == 1
+    assert [line.split(": error:")[0] for line in checked.stdout.splitlines() if "error:" in line] == ["stages.py:7"]

@@ -280,12 +280,7 @@ def _option(name: str, value: Any) -> Callable[[Table], Any]:
     return option
 
 
-KINDS = {
-    "cells": cells,
-    "rows and columns": rows_and_columns,
-    "said": said,
-    "options": options,
-}
+KINDS = {"cells": cells, "rows and columns": rows_and_columns, "said": said, "options": options}
 
 
 @pytest.mark.parametrize(

@@ -58,10 +58,7 @@ def many(tmp_path: Path) -> Path:
 # --- Killed and resumed -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("layout", "workers", "to_all"),
-    [("files", 1, False), ("shards", 2, True)],
-)
+@pytest.mark.parametrize(("layout", "workers", "to_all"), [("files", 1, False), ("shards", 2, True)])
 @pytest.mark.long
 def test_a_killed_run_goes_on_where_it_was(
     many: Path, dh2urdf: Callable[..., CompletedProcess[str]], *, layout: str, workers: int, to_all: bool
@@ -147,11 +144,7 @@ output: {directory: out}
 
 
 @pytest.mark.parametrize(
-    ("before", "after"),
-    [
-        ("output.size=7", "output.size=3"),
-        ("inputs=arm*.csv", "inputs=arm[0-4].csv"),
-    ],
+    ("before", "after"), [("output.size=7", "output.size=3"), ("inputs=arm*.csv", "inputs=arm[0-4].csv")]
 )
 def test_a_shard_has_what_the_manifest_has_and_nothing_else(
     folder: Path, cli: Callable[..., Answer], before: str, after: str

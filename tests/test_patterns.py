@@ -45,8 +45,7 @@ def test_dates_are_none(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "part",
-    ["1", "0.", "-", "*", "_", "$", "\\frac{", "^{", "<b>", "q(", " ", "0,", "10-", "a1 = 1, ", "L1", ": "],
+    "part", ["1", "0.", "-", "*", "_", "$", "\\frac{", "^{", "<b>", "q(", " ", "0,", "10-", "a1 = 1, ", "L1", ": "]
 )
 def test_every_pattern_is_linear(part: str) -> None:
     """Texts ten thousand times as long take no more than a moment: cells, comments and what has two meanings."""

@@ -1,15 +1,13 @@
-"""One portable URDF for all: every reader, asked directly, takes every arm without a word that is not expected.
+"""One portable URDF for all: MuJoCo, urdfdom and sdformat, asked directly, take every arm without a word.
 
-The readers' own loaders (tests/plugins/loaders) measure more; here no code of this project stands between the written
-file and the reader. docs/simulators.md and docs/profiles.md say what is expected of whom.
+`test_simulator_matrix.py` asks PyBullet, Pinocchio and Drake by their loaders; here no code of this project stands between
+the written file and the reader. docs/simulators.md and docs/profiles.md say what is expected of whom.
 """
 
 from __future__ import annotations
 
 import ctypes
 import json
-import logging
-import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -55,9 +53,7 @@ class Case(NamedTuple):
 
 @pytest.fixture(scope="module")
 def cases(
-    tmp_path_factory: pytest.TempPathFactory,
-    reference_robots: Sequence[ReferenceRobot],
-    as_table: Callable[..., str],
+    tmp_path_factory: pytest.TempPathFactory, reference_robots: Sequence[ReferenceRobot], as_table: Callable[..., str]
 ) -> dict[str, Case]:
     """All published arms, the UR5 and the Panda of configs, and a cell of three arms, one of them on another."""
     folder = tmp_path_factory.mktemp("portable")
@@ -160,99 +156,6 @@ def test_mujoco(case: Case, capfd: pytest.CaptureFixture[str]) -> None:
 
     assert_poses(case, frame)
     assert flushed(capfd) == []
-
-
-def test_pinocchio(case: Case, capfd: pytest.CaptureFixture[str]) -> None:
-    """Pinocchio keeps flange and tool0 as frames, has the mass, and says nothing."""
-    pin = pytest.importorskip("pinocchio")
-    capfd.readouterr()
-    path = str(case.urdf)
-    model = pin.buildModelFromUrdf(path)
-    for kind in (pin.GeometryType.VISUAL, pin.GeometryType.COLLISION):
-        pin.buildGeomFromUrdf(model, path, kind)
-    data = model.createData()
-    # What no joint moves, Pinocchio holds in its universe.
-    assert sum(inertia.mass for inertia in model.inertias) == pytest.approx(case.mass, rel=1e-12)
-
-    def frame(q: dict[str, float], tip: str) -> np.ndarray:
-        vector = pin.neutral(model)
-        for name, value in q.items():
-            joint = model.joints[model.getJointId(name)]
-            vector[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
-        pin.framesForwardKinematics(model, data, vector)
-        return np.array(data.oMf[model.getFrameId(tip)].homogeneous)
-
-    assert_poses(case, frame)
-    assert flushed(capfd) == []
-
-
-def test_drake(case: Case, caplog: pytest.LogCaptureFixture, capfd: pytest.CaptureFixture[str]) -> None:
-    """Drake keeps flange and tool0 as bodies, has the mass, and logs nothing."""
-    pytest.importorskip("pydrake")
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-    from pydrake.multibody.tree import ModelInstanceIndex
-    from pydrake.systems.framework import DiagramBuilder
-
-    capfd.readouterr()
-    plant, scene = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.001)
-    with caplog.at_level(logging.INFO, "drake"):
-        Parser(plant, scene).AddModelsFromString(case.urdf.read_text("utf-8"), "urdf")
-        if case.root != "world":
-            plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(case.root))
-        plant.Finalize()
-    context = plant.CreateDefaultContext()
-    models = map(ModelInstanceIndex, range(1, plant.num_model_instances()))  # Drake's own world has no mass.
-    assert sum(
-        plant.get_body(index).get_mass(context) for model in models for index in plant.GetBodyIndices(model)
-    ) == pytest.approx(case.mass, rel=1e-12)
-
-    def frame(q: dict[str, float], tip: str) -> np.ndarray:
-        values = plant.GetPositions(context)
-        for name, value in q.items():
-            values[plant.GetJointByName(name).position_start()] = value
-        plant.SetPositions(context, values)
-        return np.array(plant.GetBodyByName(tip).EvalPoseInWorld(context).GetAsMatrix4())
-
-    assert_poses(case, frame)
-    assert [record.getMessage() for record in caplog.records if record.name.startswith("drake")] == []
-    assert flushed(capfd) == []
-
-
-NO_INERTIAL = "No inertial data for link, using mass=1, localinertiadiagonal = 1,1,1, identity local inertial frame"
-
-
-def test_pybullet(case: Case, capfd: pytest.CaptureFixture[str]) -> None:
-    """PyBullet keeps flange and tool0 as links, has the mass, and says that base_link has no inertial, as expected; of a world it does not."""
-    bullet = pytest.importorskip("pybullet")
-    capfd.readouterr()
-    client = bullet.connect(bullet.DIRECT)
-    try:
-        bullet.setPhysicsEngineParameter(enableFileCaching=0)
-        flags = bullet.URDF_USE_INERTIA_FROM_FILE
-        arm = bullet.loadURDF(str(case.urdf), useFixedBase=True, flags=flags, physicsClientId=client)
-        numbers = range(bullet.getNumJoints(arm))
-        info = {number: bullet.getJointInfo(arm, number) for number in numbers}
-        links = {each[12].decode(): number for number, each in info.items()}
-        joints = {each[1].decode(): number for number, each in info.items()}
-        masses = [bullet.getDynamicsInfo(arm, number)[0] for number in numbers]
-        assert sum(masses) == pytest.approx(case.mass, rel=1e-6)
-
-        def frame(q: dict[str, float], tip: str) -> np.ndarray:
-            for name, value in q.items():
-                bullet.resetJointState(arm, joints[name], value)
-            state = bullet.getLinkState(arm, links[tip], computeForwardKinematics=True)
-            T = np.eye(4)
-            T[:3, :3] = np.reshape(bullet.getMatrixFromQuaternion(state[5]), (3, 3))
-            T[:3, 3] = state[4]
-            return T
-
-        assert_poses(case, frame, 1e-5)
-    finally:
-        bullet.disconnect(client)
-    text = re.sub(r"b3Warning\[[^\]]*\]:", "\n", "\n".join(flushed(capfd)))
-    said = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("pybullet build time")]
-    assert said == ([] if case.root == "world" else [NO_INERTIAL, case.root])
 
 
 def test_check_urdf(case: Case) -> None:

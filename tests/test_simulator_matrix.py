@@ -72,9 +72,7 @@ SINGLE = 2.0**-20
 
 @pytest.fixture(scope="session")
 def matrix(
-    tmp_path_factory: pytest.TempPathFactory,
-    reference_robots: Sequence[ReferenceRobot],
-    as_table: Callable[..., str],
+    tmp_path_factory: pytest.TempPathFactory, reference_robots: Sequence[ReferenceRobot], as_table: Callable[..., str]
 ) -> Matrix:
     """What the manifest of the run declares about every robot.
 

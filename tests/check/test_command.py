@@ -178,17 +178,7 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
     assert told["schema"] == "dh2urdf-check/1"
     assert told["counts"] == {"error": 1, "warning": 0, "note": 6}
     (finding,) = [finding for finding in told["findings"] if finding["severity"] == "error"]
-    assert set(finding) == {
-        "rule",
-        "severity",
-        "file",
-        "line",
-        "column",
-        "calls",
-        "message",
-        "fix",
-        "consumers",
-    }
+    assert set(finding) == {"rule", "severity", "file", "line", "column", "calls", "message", "fix", "consumers"}
     assert finding["consumers"]["drake"] == {
         "severity": "error",
         "does": "ends the interpreter with SystemExit",
@@ -224,12 +214,7 @@ def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> No
     assert "[red]a\\x9b2J" in cli("check", "--no-ask", arm.name).stdout
 
 
-@pytest.mark.parametrize(
-    ("words", "given"),
-    [
-        (["--convention", "modified"], "--convention is"),
-    ],
-)
+@pytest.mark.parametrize(("words", "given"), [(["--convention", "modified"], "--convention is")])
 def test_options_of_a_table_that_is_not_there(cli: Cli, arm: Path, words: list[str], given: str) -> None:
     """They were passed over without a word."""
     said = cli("check", "--no-ask", arm.name, *words, status=2).stderr

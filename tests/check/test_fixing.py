@@ -17,11 +17,7 @@ if TYPE_CHECKING:
 
 FAULTS = {
     "axis-not-unit": (ELBOW_AXIS, "<axis  xyz = '0 2 0' />", "<axis  xyz = '0 1 0' />"),
-    "swapped-limits": (
-        'lower="-2" upper="2"',
-        'upper="-2.50" lower="2"',
-        'upper="2" lower="-2.50"',
-    ),
+    "swapped-limits": ('lower="-2" upper="2"', 'upper="-2.50" lower="2"', 'upper="2" lower="-2.50"'),
     "no-xml-declaration": ('<?xml version="1.0" encoding="utf-8"?>\n', "", '<?xml version="1.0" encoding="utf-8"?>\n'),
     "name-characters": ('<joint name="elbow"', '<joint name="the &amp; elbow"', '<joint name="the_elbow"'),
 }

@@ -38,10 +38,7 @@ EXPECTED = {
     "usd-name",
 }
 """What may be found in a file that is right: nothing but CoppeliaSim misreads it."""
-EXPECTED_BY = {
-    "portable": EXPECTED,
-    "coppeliasim": EXPECTED | {"frame-without-inertial"},
-}
+EXPECTED_BY = {"portable": EXPECTED, "coppeliasim": EXPECTED | {"frame-without-inertial"}}
 """The same, by the profile that wrote the file."""
 IN_COPPELIASIM = Path(__file__).parents[1] / "plugins" / "loaders" / "coppeliasim_4_10_0_arms.json"
 
@@ -185,10 +182,7 @@ def test_a_xacro_is_inspected_as_it_expands(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("body", "said"),
-    [
-        ('<link name="${nobody}"/>', "nobody"),
-        ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion"),
-    ],
+    [('<link name="${nobody}"/>', "nobody"), ('<xacro:macro name="a"><xacro:a/></xacro:macro><xacro:a/>', "recursion")],
 )
 def test_what_xacro_cannot_expand_is_a_finding(tmp_path: Path, body: str, said: str) -> None:
     """An undefined property, a package that is not found, a file that is not there, a macro without end."""

@@ -105,10 +105,7 @@ ASSET = '<asset><unit meter="{}"/><up_axis>Z_UP</up_axis></asset>'
 
 @pytest.mark.parametrize(
     ("unit", "steps", "sides"),
-    [
-        ("0.5", "", (50, 100, 150)),
-        ("1", "<matrix>0 1 0 9 2 0 0 9 0 0 1 9 0 0 0 1</matrix>", (200, 200, 300)),
-    ],
+    [("0.5", "", (50, 100, 150)), ("1", "<matrix>0 1 0 9 2 0 0 9 0 0 1 9 0 0 0 1</matrix>", (200, 200, 300))],
 )
 def test_a_collada_file_is_read_with_its_unit_and_transforms(
     tmp_path: Path, unit: str, steps: str, sides: tuple[float, ...]

@@ -160,8 +160,3 @@ def test_what_is_quoted_of_real_robots_is_said_of_them() -> None:
             effect = next(each for each in finding.effects if each.consumer == consumer)
             assert text == effect.text
             assert severity == ("" if effect.severity == finding.severity else f", {effect.severity}")
-
-
-def test_the_readme_leads_to_the_page() -> None:
-    """From where it shows the command."""
-    assert "(docs/check.md)" in (PAGE.parents[1] / "README.md").read_text("utf-8")

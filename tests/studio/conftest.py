@@ -82,9 +82,7 @@ def served(*words: str | Path, port: int = 0) -> Iterator[str]:
     command = [sys.executable, "-c", code, *map(str, words), "--no-browser", "--port", str(port)]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     environment.pop("PYTEST_CURRENT_TEST", None)  # NiceGUI would take the server for its own test.
-    with (
-        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server,
-    ):
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
         assert server.stdout is not None
         try:
             found = re.search(r"http://[^/]+/", server.stdout.readline())

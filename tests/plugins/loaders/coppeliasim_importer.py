@@ -18,7 +18,7 @@ import numpy as np
 
 SHAPE, JOINT, DUMMY, FORCE_SENSOR = 0, 1, 4, 12
 REVOLUTE, PRISMATIC = 10, 11
-CREATE_VISUALS, NOT_CENTRED, ALTERNATING_MASKS = 8, 32, 128
+CREATE_VISUALS = 8
 SMALLEST_RANGE = math.radians(0.001)
 MESHES = (".obj", ".dxf", ".3ds", ".stl", ".dae", ".glb")
 WHITE = (1.0, 1.0, 1.0)
@@ -192,12 +192,6 @@ class _Import:
         made = [handle for link in self.links for handle in (link.visual, link.respondable) if handle != -1]
         made += [joint.handle for joint in self.joints]
         roots = [handle for handle in made if self.scene.things[handle].parent == -1]
-        if self.options & ALTERNATING_MASKS:
-            for root in roots:
-                self._alternate(root, bit=True)
-        if not self.options & NOT_CENTRED:  # The amounts are not the real one's.
-            for root in roots:
-                self.scene.place(root, transform(xyz=(0.1, -0.2, 0.3)) @ self.scene.world(root))
         return [self.name, roots or {}]
 
     def _link(self, name: str) -> UrdfLink | None:
@@ -310,15 +304,6 @@ class _Import:
             turned[axis, axis] = max(turned[axis, axis], 1e-8)
         shape.mass, shape.inertia = mass, tuple(float(number) for number in (turned * mass).reshape(9))
         shape.com = transform(xyz=in_shape[:3, 3])
-
-    def _alternate(self, handle: int, *, bit: bool) -> None:
-        thing = self.scene.things[handle]
-        if thing.kind == SHAPE and thing.respondable:
-            thing.mask = 0xFF01 if bit else 0xFF02
-            bit = not bit
-        for each, other in self.scene.things.items():
-            if other.parent == handle:
-                self._alternate(each, bit=bit)
 
 
 # --- Elements ---------------------------------------------------------------------------------------------------------

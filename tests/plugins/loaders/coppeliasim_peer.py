@@ -10,20 +10,11 @@ from __future__ import annotations
 
 import re
 import threading
-from typing import Any, Self
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import zmq
-from coppeliasim_importer import (
-    JOINT,
-    PRISMATIC,
-    REVOLUTE,
-    SHAPE,
-    Crash,
-    Scene,
-    Thing,
-    import_urdf,
-    rows,
-)
+from coppeliasim_importer import JOINT, PRISMATIC, REVOLUTE, SHAPE, Crash, Scene, Thing, import_urdf, rows
 from coppeliasim_zmqremoteapi_client import cbor
 
 
@@ -44,6 +35,16 @@ class Peer:
     """
 
     BULLET, MUJOCO, NEWTON = 0, 4, 3
+    GETTERS: ClassVar[dict[str, str]] = {
+        "getObjectParent": "parent",
+        "getObjectType": "kind",
+        "getObjectAlias": "alias",
+        "getShapeMass": "mass",
+        "getJointType": "subtype",
+        "getJointTargetForce": "force",
+        "getJointPosition": "position",
+    }
+    """Functions of `sim` that tell one attribute of an object."""
     STEP = 0.05
 
     def __init__(self, *, running: bool = False, dies_at: str = "", blind: bool = False, old: bool = False) -> None:
@@ -111,6 +112,7 @@ class Peer:
         importers = {"import": self.import_file} if self.old else {"importFile": self.import_file}
         names = [name for name in dir(self) if name.startswith("sim_")]
         functions = {camel_case(name.removeprefix("sim_")): getattr(self, name) for name in names}
+        functions |= {name: partial(self._told, attribute) for name, attribute in self.GETTERS.items()}
         return {"simURDF": importers, "sim": functions}
 
     def _info(self, space: str) -> dict[str, Any]:
@@ -196,30 +198,12 @@ class Peer:
     def sim_get_objects_in_tree(self, tree: int) -> list[Any]:
         return [list(self.scene.things) if tree == -12 else self.scene.tree(tree)]
 
-    def sim_get_object_parent(self, handle: int) -> list[Any]:
-        return [self.scene.things[handle].parent]
-
-    def sim_get_object_type(self, handle: int) -> list[Any]:
-        return [self.scene.things[handle].kind]
-
-    def sim_get_object_alias(self, handle: int) -> list[Any]:
-        return [self.scene.things[handle].alias]
-
-    def sim_get_joint_type(self, handle: int) -> list[Any]:
-        return [self._joint(handle).subtype]
-
     def sim_get_joint_interval(self, handle: int) -> list[Any]:
         joint = self._joint(handle)
         return [joint.cyclic, list(joint.interval)]
 
-    def sim_get_joint_target_force(self, handle: int) -> list[Any]:
-        return [self._joint(handle).force]
-
     def sim_get_object_float_param(self, handle: int, parameter: int) -> list[Any]:
         return [{2017: self._joint(handle).velocity}[parameter]]
-
-    def sim_get_joint_position(self, handle: int) -> list[Any]:
-        return [self._joint(handle).position]
 
     def sim_set_joint_position(self, handle: int, position: float) -> list[Any]:
         self._joint(handle).move(position)
@@ -231,9 +215,6 @@ class Peer:
 
     def sim_get_shape_color(self, handle: int, _name: None, _component: int) -> list[Any]:
         return [1, list(self.scene.things[handle].colour)]
-
-    def sim_get_shape_mass(self, handle: int) -> list[Any]:
-        return [self.scene.things[handle].mass]
 
     def sim_get_shape_inertia(self, handle: int) -> list[Any]:
         shape = self.scene.things[handle]
@@ -252,6 +233,9 @@ class Peer:
         for handle in handles:
             del self.scene.things[handle]
         return []
+
+    def _told(self, attribute: str, handle: int) -> list[Any]:
+        return [getattr(self.scene.things[handle], attribute)]
 
     def _joint(self, handle: int) -> Thing:
         if self.scene.things[handle].kind != JOINT:

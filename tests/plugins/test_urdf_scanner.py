@@ -206,13 +206,6 @@ class TestWhatIsRead:
             assert places == [0, 1]
             assert robot.name == parse_urdf(files[0], "arm").name
 
-    @given(numbers=st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=6, max_size=6))
-    def test_numbers_are_read_to_the_last_bit(self, numbers: list[float]) -> None:
-        """Every double comes back from its shortest text."""
-        xyz, rpy = (" ".join(map(repr, part)).encode() for part in (numbers[:3], numbers[3:]))
-        content = with_changes((b"0 0 0.25", xyz), (b"0 0 1.5", rpy))
-        assert scanned([ARM, content])[1] == as_read(content)
-
     def test_nothing_comes_from_the_emitter(self) -> None:
         """The scanner imports no emitter."""
         code = "import sys, dh2urdf_plugins.formats.urdf.scanner; print([m for m in sys.modules if m.endswith(('writer', 'formats.urdf.columns'))])"

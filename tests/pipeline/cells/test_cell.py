@@ -4,7 +4,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
@@ -35,10 +34,9 @@ from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from conftest import Answer, ReferenceRobot
-
-CONFIGS = Path(__file__).parents[3] / "configs"
 
 TRACK = Manipulator(
     name="track",
@@ -189,12 +187,6 @@ class TestExpectedPoses:
         assert tip.link == "hand_tool0"
         np.testing.assert_allclose(np.asarray(as_matrices(tip.pose(q))), expected, rtol=0, atol=1e-13)
 
-    def test_a_joint_vector_has_the_moving_joints_of_the_robot_in_order(self) -> None:
-        """So a simulator's joints can be set one by one; a tip names those on its way."""
-        robot, stated = make_item(ON_TRACK, swap())
-        assert stated.joints == tuple(joint.name for joint in robot.moving_joints)
-        assert stated.tips[2].joints == ("track_slide", "left_pan", "left_lift", "hand_pan", "hand_lift", "hand_reach")
-
 
 class TestProof:
     @pytest.mark.parametrize("frames", ["aligned", "dh"])
@@ -331,12 +323,6 @@ class TestGathering:
             gathering.see(item)
         (found,) = with_tables([self.CALL], gathering)
         return found
-
-    def test_only_what_cells_need_is_kept(self) -> None:
-        """A run of a million with one cell of two keeps one table."""
-        found = self.gathered(*(replace(TRACK, name=f"t{number}") for number in range(2000)), ARM)
-        assert isinstance(found, Cell)
-        assert found.manipulators == {"arm": ARM}
 
     def test_no_manipulator_or_several_fail_the_cell(self) -> None:
         """With what there is, and what was probably meant; it is not guessed which of several is."""

@@ -134,15 +134,6 @@ class TestWritten:
         assert again.rows[0].limits.velocity == pytest.approx(3.15, abs=1e-12)
         cli("convert", str(table), "-o", str(tmp_path / "back.urdf"))
 
-    def test_extract_of_its_description_is_the_same_file(self, cli: Cli, ur5: Path, tmp_path: Path) -> None:
-        """extract ∘ convert ∘ extract = extract, but for the comments, which name the file."""
-        (tmp_path / "again").mkdir()
-        first, again = tmp_path / "first.yaml", tmp_path / "again" / "first.yaml"
-        cli("extract", str(ur5), "-o", str(first))
-        cli("convert", str(first), "-o", str(tmp_path / "again" / "ur5.urdf"))
-        cli("extract", str(tmp_path / "again" / "ur5.urdf"), "-o", str(again))
-        assert _rows(again) == _rows(first)
-
     @pytest.mark.parametrize("suffix", [".yaml", ".csv"])
     @pytest.mark.parametrize(
         ("robot", "file"),
@@ -253,10 +244,6 @@ def test_a_table_in_the_other_convention_is_the_same_arm(cli: Cli, tmp_path: Pat
                 add(two.translation, rotate(two.rotation, same.com)),
                 atol=1e-9,
             )
-
-
-def _rows(path: Path) -> list[str]:
-    return [line for line in path.read_text().splitlines() if not line.startswith("#")]
 
 
 class TestPython:

@@ -10,7 +10,6 @@ from small_stages import drawing, one_joint, pickling, robot_of
 from dh2urdf.conversion.one_manipulator import (
     Call,
     Recipe,
-    Sample,
     Written,
     emit_robot,
     write_robot,
@@ -73,25 +72,6 @@ class TestMakeRobot:
 
 
 class TestWriteRobot:
-    def test_the_files_are_in_place_with_their_facts(self, tmp_path: Path) -> None:
-        """Every file is written, and known with its emitter and its content; the folder holds nothing else."""
-        text = EmittedFile(name="arm.txt", content=b"turn\n")
-        by_hand = pickling("text", lambda *_: [text, EmittedFile(name="arm.more", content=b"")], read_back=None)
-        first, second = write(pickling(), by_hand, to=tmp_path / "out")
-        assert (first.stage, second.stage) == ("pickle", "text")
-        assert [file.name for file in second.files] == ["arm.txt", "arm.more"]
-        for file in (*first.files, *second.files):
-            content = (tmp_path / "out" / file.name).read_bytes()
-            assert file.content == content
-        assert {path.name for path in (tmp_path / "out").iterdir()} == {"arm.pickle", "arm.txt", "arm.more"}
-
-    def test_what_is_written_is_proved(self, tmp_path: Path) -> None:
-        """The proof is of the file as it was written, at zero, both ends and the vectors of the recipe."""
-        (written,) = write(pickling(), to=tmp_path)
-        assert written.proof is not None
-        assert written.proof.holds
-        assert written.proof.poses == 3 + 4
-
     @pytest.mark.parametrize(
         ("asked", "proofs"),
         [
@@ -109,17 +89,6 @@ class TestWriteRobot:
         written = emit_robot(ExpectedPoses.of(TABLE), robot(), recipe, folder=tmp_path, stem="arm", **asked)
         assert [each.proof is not None for each in written] == proofs
         assert {path.name for path in tmp_path.iterdir()} == {"arm.pickle", "arm.slow"}
-
-    def test_the_first_main_file_can_be_named(self, tmp_path: Path) -> None:
-        """A person may name the main file; the files beside it keep their names."""
-        pair = pickling(
-            "pair",
-            lambda *_: [EmittedFile(name="arm.top", content=b"1"), EmittedFile(name="arm_macro.top", content=b"2")],
-            read_back=None,
-        )
-        (written,) = write(pair, to=tmp_path, main_file="Mein Arm.top")
-        assert [file.name for file in written.files] == ["Mein Arm.top", "arm_macro.top"]
-        assert (tmp_path / "Mein Arm.top").read_bytes() == b"1"
 
 
 class TestWhenAnEmitterFails:
@@ -182,16 +151,3 @@ def test_a_transform_that_does_not_keep_the_kinematics_is_measured_and_passes(tm
     assert not written.proof.holds
     assert written.proof.position_error == pytest.approx(0.2)
     assert (tmp_path / "arm.pickle").is_file()
-
-
-@pytest.mark.parametrize(
-    ("sample", "members"),
-    [
-        (Sample(first=3, every=5), [0, 1, 2, 5, 10, 15]),
-        (Sample(every=7), [0, 7, 14]),
-        (Sample(first=20, every=1000), range(20)),
-    ],
-)
-def test_a_sample_is_the_first_ones_and_every_so_many_th(sample: Sample, members: Sequence[int]) -> None:
-    """By the numbers in the run, whatever the batches: a resumed run looks at the same ones."""
-    assert [index for index in range(20) if index in sample] == list(members)

@@ -8,16 +8,9 @@ from hypothesis import given, strategies as st
 
 from dh2urdf.conversion.outcome import kind_of, to_line
 from dh2urdf.errors import (
-    CrashError,
-    EmitterError,
-    LoaderError,
-    ManipulatorError,
-    ProofError,
-    RobotError,
     StageError,
     TableError,
     TimeLimitError,
-    TransformError,
 )
 
 
@@ -25,17 +18,10 @@ from dh2urdf.errors import (
     ("error", "kind"),
     [
         (TableError("x"), "table"),
-        (TransformError("x"), "transform"),
-        (RobotError("x"), "robot"),
-        (EmitterError("x"), "emitter"),
-        (ProofError("x"), "proof"),
-        (LoaderError("x"), "loader"),
-        (CrashError("x"), "crash"),
         (TimeLimitError("x"), "time limit"),
         (StageError("emitter 'x'", "KeyError: 1"), "stage"),
-        (ManipulatorError("x"), "manipulator"),
     ],
-    ids=lambda value: value if isinstance(value, str) else "",
+    ids=["table", "time limit", "stage"],
 )
 def test_the_kind_of_a_failure_is_its_class_in_words(error: Exception, kind: str) -> None:
     """So that whoever counts failures reads words, and whoever adds a class need not add a word."""

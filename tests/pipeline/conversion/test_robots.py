@@ -105,11 +105,6 @@ class TestTheOrder:
         assert seen == ["table one", "table two", "robot one", "robot two"]
         assert robot.comment.endswith("edited by change, change")
 
-    def test_the_robot_has_the_edited_table(self) -> None:
-        """An emitter of tables writes what was proved."""
-        robot = make_robot(UR5, DRAWING, [edit(table=longer)])
-        assert robot.manipulator == longer(UR5, None)
-
 
 class TestFaults:
     def test_another_name_is_a_fault(self) -> None:

@@ -81,17 +81,6 @@ class TestPublishedRobots:
 
 class TestRowTransform:
     @BOTH
-    @given(a=LENGTHS, alpha=ANGLES, d=LENGTHS, theta=ANGLES)
-    def test_is_that_of_the_textbook(
-        self, convention: Convention, a: float, alpha: float, d: float, theta: float
-    ) -> None:
-        """Rz(theta)·Tz(d)·Tx(a)·Rx(alpha) in the standard convention, the last two first in the modified one."""
-        fixed = row(a=a, alpha=alpha, d=d, theta=theta, type=JointType.FIXED)
-        expected = table_pose(arm(fixed, convention=convention), [])
-        found = homogeneous(dh_transform(convention, a=a, alpha=alpha, d=d, theta=theta))
-        np.testing.assert_allclose(found, expected, rtol=0, atol=ROUNDING)
-
-    @BOTH
     def test_quarter_turns_are_exact(self, convention: Convention) -> None:
         """Quarter turns of alpha and theta give the numbers −1, 0 and 1, with no noise of 6e-17."""
         for alpha in range(-4, 5):

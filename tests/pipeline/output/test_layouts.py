@@ -32,22 +32,6 @@ def test_the_place_goes_by_the_number_of_the_manipulator(layout: Layout, paths: 
     assert [layout.path(index, "arm.urdf") for index in (0, 9, 10)] == paths
 
 
-@pytest.mark.parametrize(
-    ("layout", "whole", "parts"),
-    [
-        (Layout(), 1, [range(12)]),
-        (Layout(form=Form.FOLDERS, size=5), 1, [range(12)]),
-        (Layout(form=Form.SHARDS, size=5), 5, [range(5), range(5, 10), range(10, 12)]),
-    ],
-)
-def test_a_batch_is_cut_where_a_shard_ends(layout: Layout, whole: int, parts: list[range]) -> None:
-    """One worker writes a shard, from its beginning to its end; other files are put one by one."""
-    assert layout.whole == whole
-    assert layout.parts(12) == parts
-    assert layout.parts(0) == []
-    assert layout.is_whole is (layout.form is Form.SHARDS)
-
-
 # --- The real run -----------------------------------------------------------------------------------------------------
 
 

@@ -9,13 +9,13 @@ import sys
 import time
 from contextlib import suppress
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.errors import MissingDependencyError, OutputError
 from dh2urdf.output import remote_store
-from dh2urdf.output.remote_store import _S3_LIMITS, RemoteStore
+from dh2urdf.output.remote_store import RemoteStore
 from dh2urdf.output.store import open_store
 
 if TYPE_CHECKING:
@@ -177,12 +177,3 @@ class TestTrouble:
                         doing()
                     reason = os.strerror(errno.ETIMEDOUT)
                     assert str(caught.value) == f"error: cannot write 's3://bucket/prefix/a': {reason}"
-
-    def test_the_limits_reach_s3fs(self) -> None:
-        """Requests are repeated by one layer alone, and all their tries are over before the patience is."""
-        limits: Any = _S3_LIMITS
-        system, _ = RemoteStore("s3://bucket")._open_system()
-        assert system.config_kwargs == remote_store._S3_LIMITS
-        assert system.retries == 1
-        tries = limits["retries"]["total_max_attempts"]
-        assert tries * (limits["connect_timeout"] + limits["read_timeout"]) < remote_store._PATIENCE

@@ -111,13 +111,6 @@ class TestStems:
         own = [{stem + ending for some in endings for ending in some} for stem in given_out]
         assert len(set().union(*own)) == sum(map(len, own))
 
-    @given(st.lists(any_text, max_size=20))
-    def test_no_two_manipulators_share_a_stem(self, names: list[str]) -> None:
-        """Whatever they are called, no two manipulators of a run write the same file, case ignored."""
-        stems = Stems()
-        keys = [stems.claim(name)[0].casefold() for name in names]
-        assert len(set(keys)) == len(keys)
-
 
 class TestStaging:
     @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, GeneratorExit])

@@ -77,13 +77,6 @@ class TestWhatIsProvided:
         assert provided == [("x", "a 1.0"), ("y", "b 1.0"), ("z", "b 1.0")]
         assert names(catalog, "emitter") == []
 
-    def test_a_stage_is_found_by_kind_and_name(self) -> None:
-        """A reader and an emitter may have one name; the kind tells them apart."""
-        both = plugin("both", dh2urdf_readers=lambda: [reader("urdf")], dh2urdf_emitters=lambda: [emitter("urdf")])
-        catalog = Catalog([both])
-        assert isinstance(catalog.get("reader", "urdf"), Reader)
-        assert isinstance(catalog.get("emitter", "urdf"), Emitter)
-
     def test_a_hook_is_called_once_and_only_when_its_kind_is_asked_for(self) -> None:
         """A run that needs no simulator does not even ask for one."""
         calls: list[str] = []

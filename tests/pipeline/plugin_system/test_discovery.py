@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from dh2urdf.errors import ConfigError
-from dh2urdf.hookspecs import INTERFACE_VERSION
-from dh2urdf.isolation.attribution import same_name
 from dh2urdf.plugin_system.discovery import installed
 
 if TYPE_CHECKING:
@@ -46,16 +44,6 @@ def future(site: Path, install: Callable[..., None]) -> Path:
 
 
 class TestVersionsOfTheInterface:
-    def test_a_plugin_of_another_major_version_is_incompatible(self, future: Path) -> None:
-        """The group of the entry point says for which version it is made, and nothing of it is imported."""
-        assert future
-        found = installed()
-        (error,) = found.incompatible
-        assert (error.plugin, error.distribution) == ("lab = lab_formats_lab", "lab-formats 1.0")
-        assert "made for version 2 of the plugin interface" in error.reason
-        assert f"has {INTERFACE_VERSION}" in error.reason
-        assert "lab-formats" not in {plugin.distribution_name for plugin in found.plugins}
-
     def test_it_is_listed_with_the_reason(self, dh2urdf: Command, future: Path, tmp_path: Path) -> None:
         """As `incompatible`, not as broken; for people and for scripts; other stages work."""
         listed = json.loads(dh2urdf("plugins", "--json", path=[future]).stdout)
@@ -107,10 +95,3 @@ class TestLeavingOut:
         with pytest.raises(ConfigError) as caught:
             installed(["lab-tool", "zzz"])
         assert [problem.found for problem in caught.value.problems] == ["lab-tool", "zzz"]
-
-
-class TestPlugin:
-    @pytest.mark.parametrize(("other", "same"), [("Lab.Tools", True), ("lab__tools", True), ("labtools", False)])
-    def test_names_of_distributions_are_compared_as_pip_does(self, other: str, *, same: bool) -> None:
-        """Case, and runs of dots, dashes and underscores, make no difference."""
-        assert same_name("lab-tools", other) is same

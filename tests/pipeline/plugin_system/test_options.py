@@ -185,21 +185,6 @@ def test_any_word_is_a_value(word: str) -> None:
     node.plain()
 
 
-@pytest.mark.parametrize(
-    ("word", "value"),
-    [
-        ("3", 3),
-        ("!x", "!x"),
-        ("~", None),
-        ("'a #b'", "a #b"),
-        ("[a] # these", ["a"]),
-    ],
-)
-def test_words_are_read_as_yaml(word: str, value: object) -> None:
-    """Scalars, lists and mappings are values; what is none of them is a text."""
-    assert word_node(word).plain() == value
-
-
 # --- Quantities -------------------------------------------------------------------------------------------------------
 
 

@@ -6,11 +6,9 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import pytest
-
-from dh2urdf.conversion.outcome import Outcome, to_line, to_text
+from dh2urdf.conversion.outcome import Outcome, to_line
 from dh2urdf.output.store import open_store
-from dh2urdf.report.manifest import REPORTED, ManifestWriter, run_report, write_reports, write_timing
+from dh2urdf.report.manifest import REPORTED, ManifestWriter, run_report, write_timing
 from dh2urdf.tasks.batch_report import BatchReport, Result
 
 if TYPE_CHECKING:
@@ -27,8 +25,6 @@ def row(name: str, status: Any = "ok", **facts: Any) -> ManipulatorEntry:
 
 
 TOLD: Any = {"command": "dh2urdf run arm.yaml"}
-ARM = row("arm")
-BAD = row("bad", "failed", kind="table", errors=[{"message": "'x' is no number", "line": 3}])
 
 
 def manifest(rows: Iterable[ManipulatorEntry]) -> ManifestWriter:
@@ -78,19 +74,3 @@ def test_durations_are_added_up(tmp_path: Path) -> None:
     }
     assert (found.statuses, found.kinds) == (Counter(ok=2, failed=1), Counter(table=1))
     assert timing(tmp_path, result(batch(ok=1)))["per_second"] is None
-
-
-@pytest.mark.parametrize("with_table", [True, False])
-def test_all_files_are_written_whole(tmp_path: Path, *, with_table: bool) -> None:
-    """report.json, index.json and, with pyarrow, the manifest as a table; no temporary file."""
-    parquet = pytest.importorskip("pyarrow.parquet")
-    out, found, gathered = tmp_path / "out", result(batch(ok=1, failed=1)), manifest([ARM, BAD])
-    report = write_reports(open_store(out), gathered, found, tmp_path / "table" if with_table else None)
-    written = {path.name for path in out.iterdir()} - {".dh2urdf"}
-    assert written == {"report.json", "index.json", *(["manifest.parquet"] if with_table else [])}
-    assert [path for path in (out / ".dh2urdf").rglob("*") if path.is_file()] == []
-    assert (out / "report.json").read_bytes() == to_text(report) == to_text(run_report(gathered, found))
-    index = json.loads((out / "index.json").read_bytes())
-    assert (index["manipulators"], index["failures"]["table"]["names"]) == (2, ["bad"])
-    if with_table:
-        assert parquet.read_table(out / "manifest.parquet")["name"].to_pylist() == ["arm", "bad"]

@@ -256,7 +256,6 @@ class TestImpossible:
         assert [(each.code, each.field) for each in caught.value.problems] == [("drawn-impossible", field)]
 
 
-PLACES = (Mark(file="run.yaml", line=9, column=1), Mark(file="run.yaml", line=9, column=5))
 HUNDRED = Grid(values=tuple(map(float, range(1, 101))))
 ANGLES = rule("lower", Uniform(low=-0.2, high=-0.1), units=(Dimension.ANGLE,))
 
@@ -265,15 +264,9 @@ class TestBinding:
     @pytest.mark.parametrize(
         ("code", "rules", "how"),
         [
-            ("varied-joint-unknown", [rule("a", SCALE, "lfit", joint_marks=PLACES[:1])], {}),
             ("type-without-field", [rule("lower", UNIFORM, "plate")], {}),
-            ("axes-too-many", [rule("axes", Choices(values=(4,)))], {}),
-            ("start-missing", [rule("radius", SCALE, 1)], {}),
-            ("varied-twice", [rule("a", SCALE, 2), rule("a", UNIFORM, "lift")], {}),
             ("start-of-other-type", [rule("type", Choices(values=("prismatic",)), 1), rule("upper", SCALE, 1)], {}),
-            ("bounds-off-nominal", [rule("d", Normal(mean=None, deviation=0.001, low=3.0, high=4.0), 4)], {}),
             ("other-measure", [ANGLES], {}),
-            ("points-repeat", [rule("a", Grid(values=(0.3, 0.4)), 2)], {"count": 3}),
             ("points-too-many", [rule("mass", HUNDRED)], {"count": None}),
             (
                 "sobol-dimensions",

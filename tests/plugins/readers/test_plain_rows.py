@@ -16,7 +16,6 @@ from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.header.units import Units
 from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-from dh2urdf_plugins.readers.plain.sample import EVERY, HEAD, PlainSample
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
@@ -289,20 +288,6 @@ def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: py
     plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], sign=-1), *rows[1:]), after=60_000)
     with pytest.raises(TableError, match="sign"):
         list(stages.CSV.read(path, TableOptions(convention="standard")))
-
-
-def test_the_sample_is_small_and_the_same_each_time() -> None:
-    """At most `HEAD` rows and one of `EVERY`, spread over the places in a batch."""
-    sizes = [6] * 40
-    chosen = []
-    for _ in range(2):
-        sample = PlainSample()
-        chosen.append([sample.choose(sizes) for _ in range(5000)])
-    assert chosen[0] == chosen[1]
-    found = [index for index in chosen[0] if index is not None]
-    assert chosen[0][0] is not None
-    assert 6 * len(found) <= HEAD + 5000 * 240 / EVERY
-    assert len(found) > 5000 * 240 / EVERY / 6 - 1
 
 
 @pytest.mark.parametrize(

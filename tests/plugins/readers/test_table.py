@@ -1,134 +1,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, Manipulator
-from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND
-from dh2urdf_plugins.readers.table import CellRow, TableOptions, read_table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
 
-HEADER = ["joint", "type", "a", "alpha", "d"]
-FIRST = ["shoulder", "R", 0.0, math.pi / 2, 0.089]
-SECOND = ["elbow", "R", -0.425, 0.0, 0.0]
-STANDARD = TableOptions(convention="standard")
-
-
-def rows(*cells: list[Any]) -> Iterator[CellRow]:
-    """Rows of a sheet called `Sheet1`, with the place of each cell."""
-    for number, row in enumerate(cells, start=1):
-        marks = [
-            Mark(file="arm.ods", line=number, column=column, place=f"Sheet1!{chr(64 + column)}{number}")
-            for column in range(1, len(row) + 1)
-        ]
-        yield CellRow(row, Mark(file="arm.ods", line=number, place=f"Sheet1!A{number}"), marks)
-
-
-def read_one(*cells: list[Any], options: TableOptions = STANDARD, **more: Any) -> Manipulator:
-    (arm,) = read_table(rows(*cells), "arm.ods", options, **more)
-    assert isinstance(arm, Manipulator), "\n".join(map(str, arm.problems))
-    return arm
-
-
-def refusals(*cells: list[Any], options: TableOptions = STANDARD) -> list[tuple[str | None, str]]:
-    """The code of each error, and the cell that it is about."""
-    try:
-        items = list(read_table(rows(*cells), "arm.ods", options))
-        problems = [problem for item in items if isinstance(item, Rejected) for problem in item.problems]
-    except TableError as error:
-        problems = list(error.problems)
-    return [(problem.code, problem.mark.place or "" if problem.mark else "") for problem in problems]
-
-
-class TestRows:
-    def test_numbers_texts_and_empty_cells(self) -> None:
-        """Numbers are taken as they are, texts as the cells of a CSV file."""
-        arm = read_one([*HEADER, "theta"], [*FIRST, None], ["elbow", "R", "-425 mm", "0", 0, "pi/2"])
-        assert [(row.a, row.alpha, row.d, row.theta) for row in arm.rows] == [
-            (0.0, math.pi / 2, 0.089, 0.0),
-            (-0.425, 0.0, 0.0, math.pi / 2),
-        ]
-        assert arm.name == "arm"
-
-    def test_empty_rows_and_comments_are_passed_over(self) -> None:
-        """Above the header and below it."""
-        arm = read_one([None, ""], ["# a note"], HEADER, FIRST, [None] * 5, ["# of 2020"], SECOND)
-        assert [row.joint for row in arm.rows] == ["shoulder", "elbow"]
-        assert arm.notices == ()
-
-
-class TestTheTop:
-    @pytest.mark.parametrize(
-        "said",
-        [
-            ["# convention: modified"],
-            [None, "Convention:", "modified", None],
-            ["# dh convention = modified"],
-        ],
-    )
-    def test_what_stands_above_the_header_holds_for_all_rows(self, said: list[Any]) -> None:
-        """In one cell or in several, with or without #."""
-        arm = read_one(said, HEADER, FIRST, options=TableOptions())
-        assert (arm.convention, arm.notices) == (Convention.MODIFIED, ())
-
-    @pytest.mark.parametrize("said", [["# units: {length: mm, angle: deg}"], ["# units: {length: mm", " angle: deg}"]])
-    def test_units(self, said: list[Any]) -> None:
-        """A mapping that a spreadsheet has split at its comma is one again."""
-        row = read_one(said, HEADER, ["j", "R", 100, 90, 0]).rows[0]
-        assert (row.a, row.alpha) == (0.1, math.pi / 2)
-
-    def test_statements_from_outside(self) -> None:
-        """A file that has metadata hands them over; the rows may not say them again."""
-        from dh2urdf.documents import load_yaml
-
-        said = {"name": load_yaml("scara", "metadata")}
-        assert read_one(HEADER, FIRST, statements=said).name == "scara"
-        with pytest.raises(TableError) as caught:
-            read_one(["# name: x"], HEADER, FIRST, statements=said)
-        assert [problem.code for problem in caught.value.problems] == ["declared-twice"]
-
-    @pytest.mark.parametrize(
-        ("cells", "code", "place"),
-        [
-            ([], "no-rows", ""),
-            ([["a note"]], "no-header", "Sheet1!A1"),
-            ([["a", "b"]], "missing-column", "Sheet1!A1"),
-            ([["# untis: mm"], HEADER], "no-such-key", "Sheet1!A1"),
-            ([["# base: {xyz: [0, 0, x]}"], HEADER], "no-quantity", "Sheet1!A1"),
-            ([HEADER, FIRST, ["# name: x"]], "below-the-header", "Sheet1!A3"),
-            ([HEADER, [*FIRST, 7]], "stray-number", "Sheet1!F2"),
-            ([HEADER, FIRST, ["j2", "R", "x", 0, 0]], None, "Sheet1!C3"),
-            ([["text"]] * 1001 + [HEADER, FIRST], "no-header", "Sheet1!A1"),
-        ],
-    )
-    def test_refusals_name_the_cell(self, cells: list[Any], code: str | None, place: str) -> None:
-        """Of comments, of the header, of rows, and where there is none; the search for a header ends."""
-        assert refusals(*cells)[0] == (code, place)
-
-
-class TestCells:
-    def test_what_is_no_text_and_no_number_is_an_error_where_it_is_read(self) -> None:
-        """A date in a column that no field knows is no matter."""
-        date = Problem(message="the cell holds a date", found="2020-03-04")
-        assert refusals(HEADER, ["j", "R", date, 0, 0]) == [(None, "Sheet1!C2")]
-        assert read_one([*HEADER, "note"], [*FIRST, date]).rows[0].d == 0.089
-
-    @pytest.mark.parametrize(("decimal_comma", "accepted"), [(True, True), (False, False)])
-    def test_decimal_commas(self, *, decimal_comma: bool, accepted: bool) -> None:
-        """Where no commas separate cells."""
-        table = rows(HEADER, ["j", "R", "0,5", 0, 0])
-        (item,) = read_table(table, "arm.ods", STANDARD, decimal_comma=decimal_comma)
-        assert isinstance(item, Manipulator) is accepted
-
+    from dh2urdf.manipulator import Manipulator
 
 # --- One grammar: what stands around the columns means the same in every container -------------------------------------
 

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from dataclasses import astuple
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,6 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.sources import workbook
 from dh2urdf_plugins.readers.sources.workbook import ShownOtherwiseError, shown_unit
-from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:
     from openpyxl.worksheet.worksheet import Worksheet
@@ -132,19 +130,6 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
     assert [(row.a, row.alpha, row.d) for row in arm.rows] == [(0.1, QUARTER, 0.0), (0.0, 0.0, 0.05)]
 
 
-@pytest.mark.parametrize(
-    ("row", "said"),
-    [
-        (["j1", "R", 0, 0, 0, None, 5], "Sheet2!G2: error: joint 'joint_1': '5' is in a column without a header"),
-        (["j1", "R", 0, 0, 0, None, "0.5 m"], "'0.5 m' is in a column without a header"),
-    ],
-)
-def test_a_number_without_a_header_is_refused(sheet: Worksheet, row: list[Any], said: str) -> None:
-    """Beside the table nothing separates it from a column whose header is missing."""
-    fill(sheet, HEADER, row)
-    assert said in refusal()
-
-
 # --- Headers ----------------------------------------------------------------------------------------------------------
 
 
@@ -182,14 +167,6 @@ def test_titles_over_several_columns(sheet: Worksheet) -> None:
     assert (arm.rows[0].limits.lower, arm.rows[0].limits.upper) == pytest.approx(
         (-math.radians(170), math.radians(170))
     )
-
-
-@pytest.mark.parametrize("second", [HEADER, ["name", "a [mm]", "alpha", "d"]])
-def test_a_second_table_on_a_sheet_is_asked_about(sheet: Worksheet, second: list[Any]) -> None:
-    """Which of the two is meant is said by its number."""
-    fill(sheet, HEADER, FIRST, [], second, ["j", "R", 2, 3, 4] if second is HEADER else ["j", 1, 2, 3])
-    assert "the file has 2 tables of parameters: 1 in Sheet2!A1, 2 in Sheet2!A4\n    accepted: `--table" in refusal()
-    assert len(read_one(table_number=1).rows) == 1
 
 
 # --- Merged cells -----------------------------------------------------------------------------------------------------
@@ -502,85 +479,6 @@ def test_without_openpyxl(sheet: Worksheet, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 # --- The same as CSV --------------------------------------------------------------------------------------------------
-
-TABLES = Path(__file__).parents[3] / "configs" / "tables"
-
-
-@pytest.mark.parametrize("name", ["scara", "track", "ur5_paper"])
-def test_a_csv_table_pasted_into_a_sheet_is_the_same_arm(sheet: Worksheet, name: str) -> None:
-    """Each line cut at its commas, comments too, and numbers made numbers, as a spreadsheet does on opening."""
-    for line in (TABLES / f"{name}.csv").read_text("utf-8").splitlines():
-        sheet.append([number_or_text(cell) for cell in line.split(",")])
-    save(sheet)
-    (expected,) = stages.CSV.read(TABLES / f"{name}.csv", TableOptions())
-    arm = read_one(convention=None)
-    assert isinstance(expected, Manipulator)
-    assert (arm.convention, arm.base, arm.tool, arm.geometry, arm.rows) == (
-        expected.convention,
-        expected.base,
-        expected.tool,
-        expected.geometry,
-        expected.rows,
-    )
-
-
-DENSE = (
-    ["units: {length: mm, angle: deg}", None, "tool: {xyz: [0, 0, 100]}"],
-    [
-        "joint",
-        "link",
-        "type",
-        "a",
-        "alpha",
-        "d",
-        "theta",
-        "offset",
-        "sign",
-        "lower",
-        "upper",
-        "velocity",
-        "effort",
-        "mass",
-    ],
-    ["j1", "l1", "R", 100, 90, 50, 10, 5, 1, -170, 170, 90, 30, 4],
-    ["j2", "l2", "P", 200, 45, 0, 20, 15, -1, 0, 300, 100, 40, 3],
-)
-
-
-def read_outcome() -> str:
-    try:
-        return "\n".join(map(repr, map(astuple, read())))
-    except TableError as error:
-        return str(error)
-
-
-@pytest.mark.parametrize(
-    "place", [(row, column) for row, cells in enumerate(DENSE) for column, cell in enumerate(cells) if cell]
-)
-def test_no_cell_is_without_effect(sheet: Worksheet, place: tuple[int, int]) -> None:
-    """Another value, or no value, is another arm, an error or a notice; so is a number that is shown as a percentage."""
-    fill(sheet, [DENSE[0][0]], [DENSE[0][2]], *DENSE[1:])
-    before = read_outcome()
-    assert "severity='error'" not in before
-    row, column = place
-    cell = sheet.cell(row + 2, column + 1) if row else sheet.cell(column // 2 + 1, 1)
-    value = cell.value
-    for other in (value + 1 if isinstance(value, int) else f"x{value}", None):
-        cell.value = other
-        save(sheet)
-        assert read_outcome() != before or (other is None and value == 1)  # a sign that is not said is 1
-    cell.value = value
-    if isinstance(value, int):
-        cell.number_format = "0%"
-        save(sheet)
-        assert read_outcome() != before
-
-
-def number_or_text(cell: str) -> float | str | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return cell or None
 
 
 @pytest.mark.skipif(shutil.which("soffice") is None, reason="LibreOffice is not installed")

@@ -6,9 +6,7 @@ import io
 import math
 import shutil
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,8 +23,6 @@ from dh2urdf.manipulator import (
     Limits,
     LinkGeometry,
     Manipulator,
-    MeshFile,
-    MeshShape,
     Payload,
 )
 from dh2urdf.rotations import IDENTITY, RigidTransform
@@ -201,16 +197,6 @@ def arms(draw: Any) -> Manipulator:
     )
 
 
-def with_meshes(arm: Manipulator, path: Path) -> Manipulator:
-    """The same arm with everything that YAML alone has a place for."""
-    path.write_text("solid nothing\nendsolid nothing\n")
-    file = MeshFile(path=str(path), sha256=sha256(path.read_bytes()).hexdigest())
-    seen = MeshShape(file=file, pose=RigidTransform.from_xyz_rpy((0.1, 0.0, -1 / 3), (0.5, 0.0, 0.25)))
-    touched = MeshShape(file=file, scale=(0.001, 1 / 3, 2.0))
-    rows = tuple(replace(row, visual=seen, collision=touched) for row in arm.rows[:1]) + arm.rows[1:]
-    return replace(arm, rows=rows, base_visual=touched, base_collision=seen, visuals=True, collisions=False)
-
-
 class TestWriting:
     @settings(max_examples=20, deadline=None, phases=[Phase.generate])
     @given(arms())
@@ -220,25 +206,6 @@ class TestWriting:
             again = dh2urdf.read(text, reader=reader)
             assert again == arm
             assert (again.fk([0.1] * len(arm.moving_rows)) == arm.fk([0.1] * len(arm.moving_rows))).all()
-
-    @settings(max_examples=8, deadline=None, phases=[Phase.generate])
-    @given(arms())
-    def test_yaml_holds_meshes_and_what_is_drawn(self, arm: Manipulator) -> None:
-        """To the last bit; CSV refuses each of them by name."""
-        with TemporaryDirectory() as folder:
-            seen = with_meshes(replace(arm, base=IDENTITY), Path(folder) / "my mesh, 1.stl")
-            assert dh2urdf.read(seen.to_yaml(), reader="yaml") == seen
-            with pytest.raises(RecordValueError) as raised:
-                seen.to_csv()
-        fields = {problem.field for problem in raised.value.problems}
-        assert fields == {"rows[0].visual", "rows[0].collision", "visuals", "collisions"}
-
-    def test_files_are_written(self, tmp_path: Path) -> None:
-        """Where they are asked for."""
-        arm = dh2urdf.read(UR5)
-        arm.to_csv(tmp_path / "arm.csv")
-        arm.to_yaml(tmp_path / "arm.yaml")
-        assert dh2urdf.read(tmp_path / "arm.csv") == dh2urdf.read(tmp_path / "arm.yaml") == arm
 
     @pytest.mark.parametrize("write", ["to_csv", "to_yaml"])
     @pytest.mark.parametrize("name", ["a.sdf", "a.CSV", "a.yaml"])

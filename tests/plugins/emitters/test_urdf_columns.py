@@ -134,10 +134,3 @@ def test_what_urdf_lacks_is_left_to_emit_to_say(arm: Robot, many: Callable[..., 
     """A joint without a limit is no URDF, however many there are of it."""
     joints = tuple(replace(joint, limits=replace(joint.limits, effort=None)) for joint in arm.joints)
     assert emit_columns(many([replace(arm, joints=joints)])) is None
-
-
-def test_numbers_that_all_have_alike_stand_in_the_template(arm: Robot) -> None:
-    """They may be floats, as all of a robot's are that stands alone."""
-    robots = RobotColumns(robot=arm, names=("a", "b"), comments=("one", "two"), sure=np.array([True, True]))
-    expected = [replace(arm, name=name, comment=comment) for name, comment in (("a", "one"), ("b", "two"))]
-    assert emit_columns(robots) == [emit(robot, f"stem_{k}") for k, robot in enumerate(expected)]

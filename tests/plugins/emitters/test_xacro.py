@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.robot import Robot
 
-NAMESPACE = "{http://www.ros.org/wiki/xacro}"
 SCENE = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">{}</robot>'
 
 
@@ -39,17 +38,6 @@ def write(robot: Robot, folder: Path, stem: str = "arm") -> Path:
 def scene(folder: Path, body: str) -> Robot:
     """The robot of a file that a person writes around the macros in a folder."""
     return read_xacro(written(folder / "scene.urdf.xacro", body))
-
-
-def macro_text(robot: Robot) -> str:
-    return EMITTER.emit(robot, "arm", XacroOptions())[1].content.decode("utf-8")
-
-
-def test_nothing_but_macros_stands_at_the_scope_of_its_file(arm: Robot) -> None:
-    """A property there would be global, and two included macros would overwrite each other's."""
-    root = ET.fromstring(macro_text(arm))  # noqa: S314 - our own file
-    assert [child.tag for child in root] == [f"{NAMESPACE}macro"] * 2
-    assert "world" not in {name for link in root.iter("link") for name in link.attrib.values()}
 
 
 def test_the_xacro_command_expands_it_without_a_warning(arm: Robot, tmp_path: Path) -> None:
@@ -213,13 +201,6 @@ def test_the_text_of_an_angle_is_the_angle(angle: float) -> None:
 def written(path: Path, body: str) -> Path:
     path.write_text(SCENE.format(body), encoding="utf-8")
     return path
-
-
-def test_the_robot_is_the_one_that_xacro_expands(tmp_path: Path) -> None:
-    """Arguments have their defaults, expressions their values."""
-    path = written(tmp_path / "r.xacro", '<xacro:arg name="side" default="left"/><link name="$(arg side)_${1 + 1}"/>')
-    assert [link.name for link in read_xacro(path).links] == ["left_2"]
-    assert b'name="right_2"' in expand(path, {"side": "right"})
 
 
 def test_a_folder_with_brackets_is_no_pattern(tmp_path: Path) -> None:

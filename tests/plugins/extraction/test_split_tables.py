@@ -73,19 +73,6 @@ def _matrix(i: Inertia) -> np.ndarray:
     return np.array([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
 
 
-def test_converted_it_is_of_the_arms_size() -> None:
-    given = arm(Convention.STANDARD)
-    long, short = (dh2urdf.convert(given, near_parallel=word) for word in ("dh", "split"))
-    assert long.robot.mass > 1000
-    assert short.robot.mass < 20
-    assert max(joint.limits.effort or 0 for joint in short.robot.joints) < 1000
-    proof = short.proofs["urdf"]
-    assert proof is not None
-    assert proof.position_error < 1e-11
-    fixed = [link for link in short.robot.links if link.name.endswith("_split")]
-    assert [(link.inertial.mass if link.inertial else None, link.visuals) for link in fixed] == [(0, ())] * 2
-
-
 def test_a_table_without_such_axes_stays() -> None:
     rows = tuple(DHRow(joint=f"j{n}", link=f"l{n}", a=0.4, alpha=HALF_PI, d=0.1) for n in range(3))
     given = Manipulator(name="arm", convention=Convention.STANDARD, rows=rows)

@@ -116,9 +116,6 @@ class TestOneArm:
         with pytest.raises(EmitterError):
             made(robot_of("scara.csv"), SrdfOptions(trials=10, group=" "))
 
-    def test_the_same_robot_gives_the_same_bytes(self) -> None:
-        assert EMITTER.emit(robot_of("ur5.csv"), "arm", OPTIONS) == EMITTER.emit(robot_of("ur5.csv"), "arm", OPTIONS)
-
 
 def test_what_an_arm_holds_is_an_end_effector(cli: Cli, tmp_path: Path) -> None:
     """A gripper at a flange or a tool, of fewer joints; neither an arm on a track, nor what stands on the floor."""

@@ -331,6 +331,7 @@ def test_cells_of_workbooks_are_read_as_the_page_says(cell: str, meaning: str, t
         "`0.05` with the number format `0%`": (0.05, "0%", "", "shows a percentage"),
         '`0.05` with the number format `[<1]0.00" m";0" mm"`': (0.05, '[<1]0.00" m";0" mm"', "", "shows one unit for"),
         "`0.05` with the number format `;;;`": (0.05, ";;;", "", "shows nothing"),
+        "`0.05` with the number format `-0.00`": (0.05, "-0.00", "", "shows another sign"),
         "the text `-0,425`": ("-0,425", "General", "", -0.425),
         "a formula": (0.25, "General", "<f>1/4</f>", 0.25),
         "a formula without a value": ("=1/4", "General", "", "a formula without a value"),

@@ -234,6 +234,39 @@ def test_formats_that_show_something_else(number_format: str) -> None:
         shown_unit(number_format)
 
 
+_ACCOUNTING = '_(* #,##0.00_);_(* \\(#,##0.00\\);_(* "-"??_);_(@_)'
+
+
+@pytest.mark.parametrize(
+    ("number_format", "is_signed"),
+    [
+        *(("0.00;0.00", False), ('0" mm";0" mm"', False), ("General;General", False), ("0.0;0.0;-0.0", False)),
+        *((words, True) for words in ("0.00", "0.00;-0.00", "0.00;[Red]0.00", "0_);(0)", "#,##0;−#,##0", _ACCOUNTING)),
+    ],
+)
+def test_a_negative_number_is_shown_with_its_sign(number_format: str, is_signed: bool) -> None:  # noqa: FBT001 - a case
+    """Its own section has a minus, brackets or a colour for it; that of other numbers has none, and zero may."""
+    assert shown_unit(number_format, 1) == shown_unit(number_format)
+    if is_signed:
+        assert shown_unit(number_format, -1) == ""
+    else:
+        with pytest.raises(ShownOtherwiseError, match="another sign"):
+            shown_unit(number_format, -1)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize("number_format", ['"-"0.0', "\\-0.00", "-0", "(0.0)"])
+def test_a_format_has_no_sign_of_its_own(number_format: str, sign: int) -> None:
+    with pytest.raises(ShownOtherwiseError, match="another sign"):
+        shown_unit(number_format, sign)
+
+
+def test_a_long_number_format_is_read_in_seconds() -> None:
+    """A file from a stranger may have a million sections."""
+    with pytest.raises(ShownOtherwiseError, match="nothing"):
+        shown_unit(";" * 10**6)
+
+
 def test_units_that_number_formats_show_are_read(sheet: Worksheet) -> None:
     """425 shown as `425 mm` is 0.425 m; with another unit in the header the cell's own counts, as in every table."""
     fill(sheet, HEADER, ["j1", "R", 425, 90, 0.5, None])

@@ -306,7 +306,7 @@ class SheetRows:
         number_format, is_double = styled.number_format or "General", abs(value) <= _EXACT
         text = text_of(float(value)) if is_double else str(value)
         try:
-            unit = shown_unit(number_format)
+            unit = shown_unit(number_format, (value > 0) - (value < 0))
         except ShownOtherwiseError as error:
             return say("shown-otherwise", mark, found=text, format=number_format, shows=error)
         return f"{text} {unit}" if unit else float(value) if is_double else text
@@ -365,25 +365,30 @@ class ShownOtherwiseError(ValueError):
 
 
 @lru_cache(maxsize=1024)
-def shown_unit(number_format: str) -> str:
+def shown_unit(number_format: str, sign: int = 0) -> str:
     """The unit that a number format shows behind its number; empty where it shows none.
 
     ``0.00" mm"`` shows mm and ``0.0°`` shows °; ``0.00`` shows nothing. A second section, for negative numbers or under
-    a condition, shows the same unit.
+    a condition, shows the same unit. A number whose sign is not 0 is shown with this sign, a negative one perhaps in
+    brackets or a colour.
     """
-    sections = [""]
-    for part in re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL):
-        sections = [*sections, ""] if part == ";" else [*sections[:-1], sections[-1] + part]
-    units = [_unit_of(section) for section in sections[:2]]  # the others are those of zero and of texts
-    if units[0] is None:
+    parts = re.findall(r'"[^"]*"|\\.|\[[^\]]*\]|;|[^;"\\\[]+|.', number_format, re.DOTALL)
+    sections = "".join("\0" if part == ";" else part for part in parts).split("\0")
+    shown = [_unit_of(section) for section in sections[:2]]  # the others are those of zero and of texts
+    own = sign < 0 and len(shown) > 1  # a section of its own for negative numbers
+    if shown[0] is None or (own and shown[1] is None):
         raise ShownOtherwiseError("nothing")
-    if len({unit for unit in units if unit is not None}) > 1:
+    if len({each[0] for each in shown if each}) > 1:
         raise ShownOtherwiseError("one unit for some numbers and another for others")
-    return units[0]
+    unit, before, others = shown[own] or shown[0]
+    is_signed = not {*"-−("}.isdisjoint(before) or (own and not {*"-["}.isdisjoint(others))
+    if sign and own != is_signed and not re.search(r"\[[<>=]", number_format):
+        raise ShownOtherwiseError("another sign")
+    return unit
 
 
-def _unit_of(section: str) -> str | None:
-    """The unit that a section of a format shows; None where it shows no number."""
+def _unit_of(section: str) -> tuple[str, str, str] | None:
+    """The unit that a section of a format shows, the text before it and the rest; None where it shows no number."""
     before, between, behind, codes = "", "", "", ""
     for match in _TOKENS.finditer(section):
         text = match["quoted"] or match["escaped"] or match["currency"] or match["bare"] or ""
@@ -403,4 +408,4 @@ def _unit_of(section: str) -> str | None:
     unit = behind.strip(_NEUTRAL)
     if before.strip(_NEUTRAL) or between.strip(f"{_NEUTRAL}'") or (unit and not is_unit(unit)):
         raise ShownOtherwiseError(f"the text '{(before + between + behind).strip()}'")
-    return unit
+    return unit, before, behind + "[" * ("[" in section)

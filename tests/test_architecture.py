@@ -388,7 +388,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 660,
     "pipeline/dh2urdf/testing": 1620,
     "pipeline/dh2urdf/variations": 1010,
-    "plugins/dh2urdf_check": 4130,
+    "plugins/dh2urdf_check": 4120,
     "plugins/dh2urdf_plugins": 320,
     "plugins/dh2urdf_plugins/calibrations": 230,
     "plugins/dh2urdf_plugins/collision_pairs": 420,
@@ -402,7 +402,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 7150,
     "plugins/dh2urdf_plugins/transforms": 2150,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
-    "plugins/dh2urdf_studio": 6420,
+    "plugins/dh2urdf_studio": 6410,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

@@ -70,7 +70,7 @@ def load_in_child(
             child = run_in_child(load, request, options, timeout=limit, who=who, encoding=_REPORT)
         else:
             started = time.monotonic()  # A part of the time may be needed for the import.
-            with children.child(reusable.prepare, (options,), limit, who) as kept:
+            with children.child(who, reusable.prepare, (options,), limit) as kept:
                 spent = time.monotonic() - started
                 child = kept.call(load, (request, options), limit, who, _REPORT, in_fork=True, spent=spent)
     except (LoaderError, CrashError) as error:

@@ -138,7 +138,7 @@ class Child:
 
     Attributes:
         output: what was printed since the last call began.
-        prepared: what was returned when it was prepared, alone in a tuple; see `dh2urdf.isolation.kept_children`.
+        prepared: what was returned when it was prepared, in a tuple; see `dh2urdf.isolation.kept_children`.
         printed_before: what belongs before the output of each call, such as that of an import.
         who: who was at work when it ended, with distribution and version; empty before, and where nobody was.
 
@@ -151,7 +151,7 @@ class Child:
 
         self._name, self.who = tempfile.TemporaryFile(buffering=0), ""  # noqa: SIM115 - open until `end`
         self.output, self.printed_before = Output(), ""
-        self.prepared: tuple[Any] | None = None
+        self.prepared: Any = None
         self._name.write(bytes(NAME_SIZE))  # where the child writes which stage runs: it outlives the child
         number = self._name.fileno()
         try:

@@ -48,13 +48,13 @@ class KeptChildren:
     @contextmanager
     def child(
         self,
-        prepare: Callable[..., Any],
-        args: tuple[Any, ...],
-        timeout: float | None,
         who: str,
+        prepare: Callable[..., Any] | None = None,
+        args: tuple[Any, ...] = (),
+        timeout: float | None = None,
         encoding: Data[Any] = PLAIN,
     ) -> Iterator[Child]:
-        """A child that has called a function, such as one that imports a simulator, and is the caller's for a while.
+        """A child that is the caller's for a while, and has called a function, such as one that imports a simulator.
 
         What the function printed is part of the output of each later call. A child that cannot be called any more at
         the end is ended; any other is kept.
@@ -62,11 +62,11 @@ class KeptChildren:
         Raises:
             CrashError: as `dh2urdf.isolation.child_process.run_in_child`; so is whatever the function raises.
         """
-        key = pickled_call(prepare, args, who)
+        key = pickled_call(prepare, args, who) if prepare else b""
         child = self._taken(key)
         try:
             if child.prepared is None:
-                child.prepared = (child.call(prepare, args, timeout, who, encoding).value,)
+                child.prepared = (child.call(prepare, args, timeout, who, encoding).value if prepare else None,)
                 child.printed_before = child.output.text()
             yield child
         finally:

@@ -15,7 +15,7 @@ from threading import Event
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from dh2urdf.errors import CrashError, LoaderError, PluginError
-from dh2urdf.isolation import Child, ChildFailure, Data, enter
+from dh2urdf.isolation import ChildFailure, Data, KeptChildren, enter
 from dh2urdf.stages import HeldRobot, Inspects, Question
 from dh2urdf_check.ask.urdfdom import URDFDOM, command
 
@@ -100,32 +100,30 @@ class _Respondent:
 
     def __init__(self, program: Program) -> None:
         self._program, self._name = program, program.inspects.title
-        self._child: Child | None = None
+        self._children = KeptChildren()
 
     def answers(self, files: Sequence[Asked], is_over: Event) -> list[Answer | None]:
         """What it makes of some files, one after the other; None of those whose format it does not take."""
-        try:
+        with self._children:
             return [
                 self._answer(file) if file.question.format in self._program.inspects.formats else None
                 for file in files
                 if not is_over.is_set()
             ]
-        finally:
-            if self._child is not None:
-                self._child.end()
 
     def _answer(self, file: Asked) -> Answer:
-        inspects, failure, held = self._program.inspects, None, None
-        try:
-            child = self._ready()
-        except Exception as error:  # noqa: BLE001 - whatever an import raises
-            return Answer(self._program, self._name, "unasked", f"it does not start: {_words(error)}")
+        inspects, failure, held, is_ready = self._program.inspects, None, None, False
         end: End = "loads"
         try:
-            given = (inspects, file.question, file.readable)
-            result = child.call(_inspected, given, SECONDS, self._name, _SENT, in_fork=True)
+            with self._children.child(self._name, _prepared, (inspects.prepare,), SECONDS, _SENT) as child:
+                (version, _), is_ready = child.prepared[0], True
+                self._name = f"{inspects.title} {version}".rstrip()
+                given = (inspects, file.question, file.readable)
+                result = child.call(_inspected, given, SECONDS, self._name, _SENT, in_fork=True)
             output, held = result.output, result.value[1]
-        except Exception as error:  # noqa: BLE001 - of any other, it is not known what came of the file
+        except Exception as error:  # noqa: BLE001 - whatever an import or a file makes it raise
+            if not is_ready:
+                return Answer(self._program, self._name, "unasked", f"it does not start: {_words(error)}")
             end = "refuses" if isinstance(error, LoaderError) else "unasked"
             end = "crashes" if isinstance(error, CrashError) else end  # also where it does not finish in time
             failure, output = error, error.__cause__.output if isinstance(error.__cause__, ChildFailure) else ""
@@ -137,18 +135,6 @@ class _Respondent:
         if end == "crashes" and said:  # What it says is clearer than the last characters that it printed.
             words = f"{words.partition('; it printed last')[0]}; it printed last: {said[-1]}"
         return Answer(self._program, self._name, end, words, held, said)
-
-    def _ready(self) -> Child:
-        """The child, in which the program is imported; a new one where it is gone."""
-        if self._child is not None and self._child.is_alive():
-            return self._child
-        if self._child is not None:
-            self._child.end()
-        self._child = Child.started()
-        inspects = self._program.inspects
-        version, _ = self._child.call(_prepared, (inspects.prepare,), SECONDS, self._name, _SENT).value
-        self._name = f"{inspects.title} {version}".rstrip()
-        return self._child
 
 
 def _words(error: Exception) -> str:

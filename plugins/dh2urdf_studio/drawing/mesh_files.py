@@ -19,8 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import CrashError, OutputError
-from dh2urdf.isolation.child_process import Child
-from dh2urdf.isolation.encodings import Data
+from dh2urdf.isolation import Data, KeptChildren
 from dh2urdf.meshes import FORMATS, REMEDY, read_parts
 from dh2urdf.meshes.addresses import NamedFiles
 from dh2urdf.rotations import Vec3
@@ -189,8 +188,7 @@ class MeshStore:
         self._meshes = dict(meshes)
         readers = max(1, min(_MOST_READERS, (os.cpu_count() or 1) - 1))
         self._pool = ThreadPoolExecutor(readers, thread_name_prefix="dh2urdf-mesh")
-        self._idle: list[Child] = []
-        self._busy: set[Child] = set()
+        self._children = KeptChildren()
         self._read: dict[str, tuple[tuple[int, int], Future[DrawnTriangles]]] = {}
         self._pictures: dict[str, Picture] = {}
 
@@ -226,16 +224,10 @@ class MeshStore:
         return self._read[key][1]
 
     def _triangles(self, mesh: DrawnMesh) -> DrawnTriangles:
-        name = shown(mesh.path.name)
+        who = f"the reader of {shown(mesh.path.name)}"
         try:
-            child = self._idle.pop() if self._idle else Child.started()
-            self._busy.add(child)
-            try:
-                found = child.call(triangles, (mesh,), None, f"the reader of {name}", _READ).value
-            finally:
-                self._busy.discard(child)
-                if child.is_alive():
-                    self._idle.append(child)
+            with self._children.child(who) as child:
+                found = child.call(triangles, (mesh,), None, who, _READ).value
         except CrashError as error:
             raise OutputError(say("file-unreadable", name=mesh.path.name, reason=error.problems[0].message)) from error
         self._pictures.update(found.pictures)
@@ -249,7 +241,4 @@ class MeshStore:
     def close(self) -> None:
         """Read nothing more, also of the files that are being read."""
         self._pool.shutdown(wait=False, cancel_futures=True)
-        for child in tuple(self._busy):
-            child.kill()  # its thread ends it: two at once would close what the other one reads
-        while self._idle:
-            self._idle.pop().end()
+        self._children.end()

@@ -294,16 +294,16 @@ def test_a_reader_that_crashes_costs_one_file(tmp_path: Path, monkeypatch: pytes
     assert [reader.is_alive() for reader in readers] == [False, False]
 
 
-def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_being_read_at_the_end_is_ended_by_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two that end one reader at once would close what the other one reads: `view` ended with a false message then."""
     os.mkfifo(tmp_path / "pipe.stl")  # nobody writes to it, so its reader waits
-    ends: list[Child] = []
+    ends: set[threading.Thread] = set()
     is_there = threading.Event()
 
     def watched() -> Child:
         child = Child()
         end = child.end
-        monkeypatch.setattr(child, "end", lambda: (ends.append(child), end())[1])
+        monkeypatch.setattr(child, "end", lambda: (ends.add(threading.current_thread()), end())[1])
         is_there.set()
         return child
 
@@ -311,7 +311,7 @@ def test_what_is_being_read_at_the_end_is_ended_once(tmp_path: Path, monkeypatch
     store = MeshStore({"pipe": DrawnMesh(path=tmp_path / "pipe.stl")})
     reading = store.triangles("pipe")
     assert is_there.wait(60)
-    while not store._busy:
+    while not store._children._busy:
         time.sleep(0.01)
     store.close()
     with pytest.raises(OutputError, match=r"pipe\.stl"):

@@ -224,7 +224,6 @@ def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
     With `cells` there is a line for each field in place of a row for each joint.
     """
     from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
     detail = report["detail"]
@@ -235,14 +234,14 @@ def in_lines(report: InfoReport, *, terminal: bool, cells: bool = False) -> str:
     head, rows, legend = _field_lines(detail) if cells else _as_printed(detail)
     table = Table(box=None, pad_edge=False)
     for name in head:
-        table.add_column(escape(name), overflow="fold")
+        table.add_column(name, overflow="fold")
     before = ""
     for (joint, *others), is_typed in rows:
         if terminal and before and joint != before and cells:
             table.add_section()
         named = "" if terminal and joint == before else joint
         before = joint
-        table.add_row(*map(escape, (named, *others)), style=None if is_typed or not terminal else "dim")
+        table.add_row(named, *others, style=None if is_typed or not terminal else "dim")
     facts = "\n".join([*legend, *_facts(report["source"], detail)])
     with console.capture() as captured:
         for part in (facts, table) if cells else (table, f"\n{facts}"):

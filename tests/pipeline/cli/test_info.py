@@ -193,6 +193,7 @@ class TestForms:
             "# convention: standard\ntheta,d [mm],a [mm],alpha\nq1 + pi/2,410,-0.5,pi/2\n-q2,0,440,pi\n0,d3,0,0\n"
         )
         text = cli("info", "scara.csv", *form).stdout
+        assert form or "\\" not in text
         lines = [re.split(r" {2,}|(?<!\\)\|", line.strip("| ").replace("\\", "")) for line in text.splitlines()]
         rows = [[cell.strip() for cell in line] for line in lines if line[0].strip().startswith("joint")]
         assert rows[:4] == [

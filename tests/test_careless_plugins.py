@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from subprocess import CompletedProcess
 
     Command = Callable[..., CompletedProcess[str]]
+    Made = Callable[..., tuple[CompletedProcess[str], dict[str, str]]]
 
 PLUGIN = """
 import os, shutil, signal, subprocess, sys, threading, time
@@ -76,9 +77,7 @@ BOTH = "loaders: [first, second]\n"
 
 
 @pytest.fixture
-def made(
-    tmp_path: Path, dh2urdf: Command, install: Callable[..., None]
-) -> Callable[..., tuple[CompletedProcess[str], dict[str, str]]]:
+def made(tmp_path: Path, dh2urdf: Command, install: Callable[..., None]) -> Made:
     """The answer of a run with a stage that does something, and the status of each arm."""
 
     def run(
@@ -106,9 +105,7 @@ WORKERS = pytest.mark.parametrize("workers", ["1", "2"])
 
 @WORKERS
 @pytest.mark.parametrize("code", ["os.chdir('/')", "os.fork()"], ids=["folder", "fork"])
-def test_a_stage_that_leaves_the_folder_or_forks(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], code: str, workers: str
-) -> None:
+def test_a_stage_that_leaves_the_folder_or_forks(made: Made, code: str, workers: str) -> None:
     """The next arms are read and made as ever: the input was reported as changed, and a twin made them again."""
     answer, states = made("emit", code, "--workers", workers)
     assert states == ALL_WELL
@@ -124,16 +121,14 @@ def test_a_stage_that_leaves_the_folder_or_forks(
     ],
     ids=["bytes", "program"],
 )
-def test_what_is_printed_by_all_ways_arrives(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], code: str, said: str, workers: str
-) -> None:
+def test_what_is_printed_by_all_ways_arrives(made: Made, code: str, said: str, workers: str) -> None:
     """Standard output has what libraries use of it: bytes, another encoding, and programs that print to it."""
     answer, states = made("emit", code, "--workers", workers)
     assert states == ALL_WELL
     assert said in answer.stderr
 
 
-def test_dots_without_an_end_take_no_time(made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]]) -> None:
+def test_dots_without_an_end_take_no_time(made: Made) -> None:
     """A hundred thousand dots in one line; each was joined with all before it, which took minutes."""
     begun = time.monotonic()
     answer, states = made("emit", "[print('.', end='') for _ in range(100_000)]", "--workers", "1")
@@ -143,9 +138,7 @@ def test_dots_without_an_end_take_no_time(made: Callable[..., tuple[CompletedPro
 
 
 @WORKERS
-def test_a_loader_that_changes_its_file_is_the_one_that_fails(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], workers: str
-) -> None:
+def test_a_loader_that_changes_its_file_is_the_one_that_fails(made: Made, workers: str) -> None:
     """The next loader finds the file as it was written; it was the one that failed."""
     code = "request.path.write_text('changed')"
     answer, states = made("load", code, "--workers", workers, more=BOTH, status=1)
@@ -155,17 +148,13 @@ def test_a_loader_that_changes_its_file_is_the_one_that_fails(
 
 
 @pytest.mark.parametrize("code", ["None", "function(task)"])
-def test_an_executor_that_never_ends_is_left(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]], code: str
-) -> None:
+def test_an_executor_that_never_ends_is_left(made: Made, code: str) -> None:
     """All results are there, and what comes after them is not asked for; the run never ended."""
     _, states = made("map", code, more="execution: bad\n")
     assert states == ALL_WELL
 
 
-def test_a_worker_that_is_told_to_end_names_who_did_it(
-    made: Callable[..., tuple[CompletedProcess[str], dict[str, str]]],
-) -> None:
+def test_a_worker_that_is_told_to_end_names_who_did_it(made: Made) -> None:
     """SIGTERM, which programs send to their own process group to end their children, is named with the stage."""
     code = "os.kill(os.getpid(), signal.SIGTERM); time.sleep(1)"
     answer, states = made("emit", code, "--workers", "2", status=1)

@@ -33,7 +33,6 @@ from dh2urdf.testing.stage_contract import InputContract, StageContract
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from conftest import Answer
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "plugins.md"
@@ -75,28 +74,6 @@ def test_the_clauses_are_those_of_the_contracts(*, renew: bool) -> None:
     found = CLAUSES.search(text)
     assert found
     assert found["lists"] == clauses()
-
-
-def test_the_first_plugin_is_the_one_of_the_page(cli: Callable[..., Answer], tmp_path: Path) -> None:
-    """The command gives the files of the table, and the three lines of the contract are in its tests.
-
-    That such a plugin is installed, passes its tests and runs is a fact of tests/test_new_plugin.py.
-    """
-    first, others = blocks(PAGE, "sh")[0], blocks(PAGE, "sh")[1].splitlines()
-    cli(*first.split()[1:])
-    folder = tmp_path / "dh2urdf-joint-list"
-    assert others[1] == "cd dh2urdf-joint-list"
-    listed = re.findall(r"^\| `([^`]*[./][^`]*)` \|", PAGE.read_text("utf-8"), re.MULTILINE)
-    assert len(listed) == 5
-    assert all((folder / name).is_file() for name in listed)
-    tests = (folder / "tests" / "test_emitter.py").read_text("utf-8")
-    for line in filter(None, blocks(CONTRACT, "python")[0].splitlines()):
-        if not line.startswith("from dh2urdf_joint_list"):
-            assert line in tests
-    for command in ("pytest", "ruff check .", "ruff format --check .", "mypy"):
-        assert command in " ".join(others)
-        assert command in (folder / ".github" / "workflows" / "ci.yml").read_text("utf-8")
-    assert (folder / "src" / "dh2urdf_joint_list" / "emitter.py").read_text("utf-8").count('"joint-list"') == 1
 
 
 TABLE = """

@@ -80,17 +80,6 @@ def test_a_range_is_copied_cut_and_put_elsewhere(tab: Any) -> None:
     tab.wait_for_status("the arm is the table's")
 
 
-def test_a_header_is_understood(tab: Any) -> None:
-    """A pasted table with header, units and decimal commas is what the CSV reader makes of it; the page asks once."""
-    tab.open()
-    tab.page.get_by_label("number of axes").fill("1")
-    tab.page.keyboard.press("Enter")
-    paste(tab, 0, "a", "# convention: standard\nalpha [deg];a [mm];d [mm]\n90;0,5;120\n0;300;0\n")
-    tab.page.get_by_role("button", name="Open it in place of this table").click()
-    tab.wait_for_status("2 axes; the arm is the table's")
-    tab.wait_for_cells(0, alpha="90", d="120")
-
-
 def test_an_empty_table_takes_what_is_pasted(tab: Any) -> None:
     """Wherever the cursor is: a whole table is there at once, and a number is a number. Columns of an unknown order are asked about."""
     page = tab.open()

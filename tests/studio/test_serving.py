@@ -41,24 +41,12 @@ def test_the_server_has_its_names(host: str) -> None:
 
 
 OTHER_HOSTS = [
-    "evil.example:8420",
-    "evil.example",
-    "127.0.0.1",
-    "127.0.0.1:8421",
-    "127.0.0.1.evil.example:8420",
-    "x@localhost:8420",
-    "localhost.evil.example:8420",
-    "localhost:8420/x",
-    "localhost:port",
-    "[::1:8420",
+    *("evil.example:8420", "evil.example", "127.0.0.1", "127.0.0.1:8421", "127.0.0.1.evil.example:8420", "[::1:8420"),
+    *("x@localhost:8420", "localhost.evil.example:8420", "localhost:8420/x", "localhost:port"),
 ]
 OTHER_ORIGINS = [
-    "https://evil.example",
-    "http://localhost:8421",
-    "http://127.0.0.1",
-    "null",
-    "https://127.0.0.1:8420",
-    "http://localhost:8420",
+    *("https://evil.example", "http://localhost:8421", "http://127.0.0.1", "null"),
+    *("https://127.0.0.1:8420", "http://localhost:8420"),
 ]
 
 

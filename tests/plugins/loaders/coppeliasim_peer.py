@@ -2,8 +2,7 @@
 
 The protocol is that of `coppeliasim_zmqremoteapi_client`: CBOR maps over a ZMQ REP socket, ``func`` and ``args`` in,
 ``ret`` or ``err`` out; the first request carries the version and the language. The scene keeps poses as 4x4 matrices
-in the parent, as CoppeliaSim does, and knows nothing of dh2urdf. Its importer, with all faults of the real one, is in
-`coppeliasim_importer`; `test_coppeliasim_arms` holds both against what CoppeliaSim 4.10.0 was seen to do.
+in the parent, as CoppeliaSim does, and knows nothing of dh2urdf. Its importer is in `coppeliasim_importer`; `test_coppeliasim_arms` holds both against what CoppeliaSim 4.10.0 was seen to do.
 """
 
 from __future__ import annotations
@@ -95,8 +94,7 @@ class Peer:
             return {"err": f"{error}\t(in function '{request['func']}')".replace("\t", "_=TB=_")}
 
     def _call(self, name: str, arguments: list[Any], count: int) -> list[Any]:
-        if count != len(arguments):
-            raise ValueError("the number of arguments is wrong")
+        assert count == len(arguments)
         self.calls.append(name)
         space, _, function = name.partition(".")
         if name == "zmqRemoteApi.require":
@@ -134,7 +132,6 @@ class Peer:
                 "shapeintparam_static": 3003,
                 "shapeintparam_respondable": 3004,
                 "shapeintparam_respondable_mask": 3019,
-                "colorcomponent_ambient_diffuse": 0,
             }
         functions: dict[str, Any] = {name: {"func": {}} for name in self._functions()[space]}
         return functions | {name: {"const": value} for name, value in constants.items()}
@@ -151,8 +148,7 @@ class Peer:
     # two seconds while the joints tell of 0.09 rad, and an engine that is not there moves nothing and says nothing.
 
     def sim_set_int32_param(self, parameter: int, value: int) -> list[Any]:
-        if parameter != 8:
-            raise ValueError("no such parameter")
+        assert parameter == 8
         self.engine = value
         return []
 
@@ -172,8 +168,8 @@ class Peer:
         return [self.running and self.engine in (self.BULLET, self.MUJOCO) and self.scene.things[handle].kind == JOINT]
 
     def sim_step(self) -> list[Any]:
-        if not (self.running and self.stepping):
-            raise ValueError("no simulation that is stepped")
+        assert self.running
+        assert self.stepping
         self.time += self.STEP
         if self.engine == self.BULLET:
             joints = [thing for thing in self.scene.things.values() if thing.kind == JOINT]
@@ -195,8 +191,8 @@ class Peer:
         self._joint(handle)
         return []
 
-    def sim_get_objects_in_tree(self, tree: int) -> list[Any]:
-        return [list(self.scene.things) if tree == -12 else self.scene.tree(tree)]
+    def sim_get_objects_in_tree(self, _scene: int) -> list[Any]:
+        return [list(self.scene.things)]
 
     def sim_get_joint_interval(self, handle: int) -> list[Any]:
         joint = self._joint(handle)
@@ -213,9 +209,6 @@ class Peer:
         self._joint(handle).limit(cyclic, *interval)
         return []
 
-    def sim_get_shape_color(self, handle: int, _name: None, _component: int) -> list[Any]:
-        return [1, list(self.scene.things[handle].colour)]
-
     def sim_get_shape_inertia(self, handle: int) -> list[Any]:
         shape = self.scene.things[handle]
         return [list(shape.inertia), rows(shape.com)]
@@ -225,8 +218,7 @@ class Peer:
         return [{3003: int(shape.static), 3004: int(shape.respondable), 3019: shape.mask}[parameter]]
 
     def sim_get_object_matrix(self, handle: int, relative_to: int) -> list[Any]:
-        if relative_to != -1:
-            raise ValueError("asked in another frame")
+        assert relative_to == -1
         return [rows(self.scene.world(handle))]
 
     def sim_remove_objects(self, handles: list[int]) -> list[Any]:
@@ -238,15 +230,14 @@ class Peer:
         return [getattr(self.scene.things[handle], attribute)]
 
     def _joint(self, handle: int) -> Thing:
-        if self.scene.things[handle].kind != JOINT:
-            raise ValueError("no joint")
+        assert self.scene.things[handle].kind == JOINT
         return self.scene.things[handle]
 
     # The importer
 
     def import_file(self, text: str, options: int = 0, _package: str = "") -> list[Any]:
         self.options = options
-        return import_urdf(self.scene, text, options, blind=self.blind)
+        return import_urdf(self.scene, text, blind=self.blind)
 
 
 def camel_case(name: str) -> str:

@@ -378,7 +378,7 @@ BUDGETS = {
     "pipeline/dh2urdf/output": 1540,
     "pipeline/dh2urdf/plugin_system": 1800,
     "pipeline/dh2urdf/quantities": 1300,
-    "pipeline/dh2urdf/report": 2110,
+    "pipeline/dh2urdf/report": 2120,
     "pipeline/dh2urdf/robot_check": 340,
     "pipeline/dh2urdf/run_file": 1610,
     "pipeline/dh2urdf/running": 1040,

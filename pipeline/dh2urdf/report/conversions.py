@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from dh2urdf._version import __version__
@@ -109,10 +110,18 @@ def counted(count: int, noun: str) -> str:
 
 
 def error_report(kind: str, exit_status: int, error: BaseException, message: str) -> ErrorReport:
-    """What `--json` prints where a command fails; `message` is what is wrong where the error has no problems."""
+    """What `--json` prints where a command fails; `message` is what is wrong where the error has no problems.
+
+    The code of an error without problems is its kind; of one about the words of a command, click's name for it, such
+    as ``no-such-option``.
+    """
+    from dh2urdf.conversion.outcome import kind_of
+
     problems: Sequence[Problem] = getattr(error, "problems", ())
     if not problems:
-        problems = [error.problem if isinstance(error, PluginError) else Problem(message=message)]
+        code = (kind_of(error) if kind == "usage" and isinstance(error, Exception) else kind).replace(" ", "-")
+        problem = error.problem if isinstance(error, PluginError) else Problem(message=message)
+        problems = [replace(problem, code=code)]
     return {
         "schema": ERROR_SCHEMA,
         "version": __version__,

@@ -76,20 +76,22 @@ class TestJson:
         assert row["filled_in"] == {}
 
     @pytest.mark.parametrize(
-        ("words", "kind", "found"),
+        ("words", "kind", "code", "found"),
         [
-            (["convert", "bad.csv", "--json"], "table", "ninety"),
-            (["run", "--json"], "usage", None),
-            (["check", "nope.urdf", "--format=json"], "input", None),
+            (["convert", "bad.csv", "--json"], "table", "quantity-refused", "ninety"),
+            (["run", "--json"], "usage", "missing-parameter", None),
+            (["run", "--bogus", "--json"], "usage", "no-such-option", None),
+            (["check", "nope.urdf", "--format=json"], "input", "no-such-file", None),
         ],
         ids=lambda value: " ".join(value) if isinstance(value, list) else "",
     )
-    def test_an_error_is_json_too(self, cli: Cli, words: list[str], kind: str, found: str | None) -> None:
-        """On standard output, valid by its schema, with every problem that standard error says."""
+    def test_an_error_is_json_too(self, cli: Cli, words: list[str], kind: str, code: str, found: str | None) -> None:
+        """On standard output, valid by its schema, with every problem that standard error says, and its code."""
         answer = cli(*words, status=2)
         report = valid(error_schema(), answer.stdout)
         assert (report["kind"], report["exit_status"]) == (kind, 2)
         assert found in (None, *(error["found"] for error in report["errors"]))
+        assert code in [error["code"] for error in report["errors"]]
         for error in report["errors"]:
             assert error["message"].partition("; ")[0] in answer.stderr
 

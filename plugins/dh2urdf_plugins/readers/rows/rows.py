@@ -138,7 +138,7 @@ class RowReader:
         cell = self._cells.get(field)
         fault = name_fault(cell.text) if cell else None
         if fault:
-            self.add(Problem(message=fault[0], accepted=fault[1], **self._at(field)))
+            self.add(Problem(code="name-unusable", message=fault[0], accepted=fault[1], **self._at(field)))
         return cell.text if cell and not fault else f"{field}_{self._number}"
 
     def _type(self) -> JointType:
@@ -172,7 +172,8 @@ class RowReader:
             quantity = evaluate(cell.text, dimension, own, **how)  # type: ignore[arg-type]
         except QuantityError as error:
             accepted = "1 or -1" if name == "sign" else error.accepted
-            self.add(Problem(message=error.message, accepted=accepted, suggestion=error.suggestion, **self._at(name)))
+            about: Any = {"message": error.message, "accepted": accepted, "suggestion": error.suggestion}
+            self.add(Problem(code="quantity-refused", **about, **self._at(name)))
             return None
         if not quantity.has_unit:
             self._look_at_unit(name, dimension, quantity, unit)

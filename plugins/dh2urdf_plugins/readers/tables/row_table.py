@@ -346,7 +346,8 @@ def _manipulator(
     if trace is not None:
         trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
     if fault := name_fault(name.text):
-        reader.add(Problem(message=fault[0], mark=name.mark, field="name", found=name.text, accepted=fault[1]))
+        about: Any = {"message": fault[0], "accepted": fault[1], "found": name.text}
+        reader.add(Problem(code="name-unusable", mark=name.mark, field="name", **about))
     if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
         reader.add(say("convention-unsaid", mark, field="convention"))
     if not rows:

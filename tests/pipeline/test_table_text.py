@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
@@ -9,8 +8,7 @@ from hypothesis import given, strategies as st
 from dh2urdf.manipulator import LinkGeometry
 from dh2urdf.quantities import UNITS, Dimension, evaluate, number_in
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark
-from dh2urdf.table_text import Place, TableText, WrittenTable
+from dh2urdf.table_text import TableText
 from dh2urdf.table_text.texts import transform_text, yaml_word
 
 FINITE = st.floats(-1e6, 1e6, allow_subnormal=False)
@@ -83,29 +81,3 @@ def test_columns_are_those_in_use() -> None:
 def test_a_word_that_means_something_else_is_quoted(word: str) -> None:
     """What YAML would take for something else than the text is in quotes."""
     assert yaml_word(word) != word
-
-
-class TestPlaces:
-    written = WrittenTable(
-        content=b"",
-        places=(
-            Place(line=1, column=1, row=None, field="convention"),
-            Place(line=3, column=1, row=0, field="a"),
-            Place(line=3, column=5, row=0, field="d"),
-        ),
-    )
-
-    @pytest.mark.parametrize(
-        ("line", "column", "found"),
-        [
-            (3, 1, (0, "a")),
-            (3, 7, (0, "d")),
-            (3, None, (0, None)),
-            (1, 15, (None, "convention")),
-            (2, 1, (None, None)),
-            (None, None, (None, None)),
-        ],
-    )
-    def test_a_mark_means_a_cell(self, line: int | None, column: int | None, found: Any) -> None:
-        """A place in the file leads to row and field; that of a line to its row."""
-        assert self.written.at(Mark(file="x", line=line, column=column)) == found

@@ -86,10 +86,12 @@ HEAVY = {name: replace(body, mass=body.mass + 0.001) for name, body in (RIGHT.bo
         ({"pose": aside}, "tip-elsewhere"),
         ({"pose": lambda *_: np.full((4, 4), math.nan)}, "tip-elsewhere"),
         ({"bodies": HEAVY}, "link-differs"),
+        ({"bodies": dict.fromkeys(HEAVY, Inertial(mass=math.nan))}, "link-differs"),
         ({"bodies": {}}, "link-lost"),
         ({"joints": RIGHT.joints[1:]}, "joint-lost"),
         ({"joints": [*RIGHT.joints, {"name": "thumb"}]}, "joint-not-written"),
         ({"joints": [{**RIGHT.joints[0], "lower": -9.0}, *RIGHT.joints[1:]]}, "joint-differs"),
+        ({"joints": [{**RIGHT.joints[0], "lower": math.nan}, *RIGHT.joints[1:]]}, "joint-differs"),
         ({"joints": [{**RIGHT.joints[0], "effort": None}, *RIGHT.joints[1:]]}, "joint-differs"),
     ],
 )

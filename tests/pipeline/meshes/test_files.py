@@ -28,13 +28,6 @@ def robot_of(file: MeshFile | None, name: str = "arm") -> Robot:
 
 
 class TestFiles:
-    def test_a_path_leads_from_the_folder_of_the_file_that_says_it(self, tmp_path: Path) -> None:
-        """Also where it goes up; the content is known by its hash."""
-        (tmp_path / "tables").mkdir()
-        (tmp_path / "link.stl").write_bytes(b"solid")
-        found = find_mesh("../link.stl", tmp_path / "tables")
-        assert found == MeshFile(path=str(tmp_path / "link.stl"), sha256=sha256(b"solid").hexdigest())
-
     def test_a_changed_file_is_another_one(self, tmp_path: Path) -> None:
         """Though many manipulators share what is read of a file."""
         path = tmp_path / "link.stl"
@@ -112,20 +105,6 @@ class TestFiles:
 
 
 class TestNames:
-    @pytest.mark.parametrize(
-        ("word", "prefix"),
-        [
-            ("relative", "meshes/"),
-            ("file", None),
-            ("package://my_arm", "package://my_arm/meshes/"),
-            ("package://my_arm/urdf/", "package://my_arm/urdf/meshes/"),
-        ],
-    )
-    def test_every_word_is_a_way_to_name_a_mesh(self, word: str, prefix: str | None) -> None:
-        """Relative paths lead out of the folders of a run's output; addresses do not depend on them."""
-        assert prefix_of(word) == prefix
-        assert prefix_of(word, in_folders=True) == ("../meshes/" if word == "relative" else prefix)
-
     @pytest.mark.parametrize("word", ["", "absolute", "package://", "package://../x", "package://a b", "https://x"])
     def test_other_words_are_refused(self, word: str) -> None:
         """With all that are accepted; a package's name leads nowhere else."""

@@ -61,10 +61,6 @@ def half_way() -> Iterable[Any]:
     raise KeyError("gone")
 
 
-def with_a_parameter(_color: str) -> Iterable[Any]:
-    return ()
-
-
 def leaving() -> Iterable[Any]:
     raise SystemExit("this plugin thinks that it is a program")
 
@@ -136,24 +132,6 @@ class TestRecords:
 
 
 class TestBrokenPlugins:
-    @pytest.mark.parametrize(
-        ("hooks", "reason"),
-        [
-            ({"dh2urdf_readerz": lambda: ()}, "PluginValidationError: unknown hook 'dh2urdf_readerz'"),
-            ({"dh2urdf_readers": with_a_parameter}, "_color"),
-            ({}, f"with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}"),
-        ],
-        ids=["unknown hook", "wrong signature", "no hook"],
-    )
-    def test_at_registration(self, hooks: dict[str, Any], reason: str) -> None:
-        """A hook that does not exist or has parameters breaks its plugin, and so does having none; others work."""
-        catalog = Catalog([plugin("bad", **hooks), GOOD])
-        assert names(catalog, "reader") == ["table"]
-        (broken,) = catalog.broken
-        assert broken.distribution == "bad 1.0"
-        assert reason in broken.reason
-        assert "Traceback" in broken.traceback
-
     @pytest.mark.parametrize(
         ("hook", "reason"),
         [
@@ -279,6 +257,8 @@ BROKEN = {
     "at_registration": "from dh2urdf.hookspecs import hookimpl\n@hookimpl\ndef dh2urdf_writers(): return ()",
     "at_call": "from dh2urdf.hookspecs import hookimpl\n@hookimpl\ndef dh2urdf_emitters(): return 1 / 0",
     "no_syntax": "def def",
+    "no_hook": "",
+    "parameter": "from dh2urdf.hookspecs import hookimpl\n@hookimpl\ndef dh2urdf_readers(_color): return ()",
 }
 REASONS = {
     "at_import": "OSError: the licence server does not answer",
@@ -287,6 +267,8 @@ REASONS = {
     "at_registration": "PluginValidationError: unknown hook 'dh2urdf_writers'",
     "at_call": "ZeroDivisionError: division by zero",
     "no_syntax": "SyntaxError: ",
+    "no_hook": f"with the decorator dh2urdf.hookspecs.hookimpl; {HOOKS}",
+    "parameter": "_color",
 }
 
 

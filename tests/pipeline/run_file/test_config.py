@@ -10,8 +10,6 @@ from dh2urdf.errors import ConfigError
 from dh2urdf.output.layouts import DEFAULT_SIZE, Form, Layout
 from dh2urdf.run_file.config import RunConfig, load_config
 
-CONFIGS = Path(__file__).parents[3] / "configs"
-
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -81,14 +79,6 @@ def test_every_section_is_read(folder: Path) -> None:
     assert found.execution.options.plain() == {"workers": "auto"}
     assert found.output.directory == Path("out")
     assert found.proof.poses == 8
-
-
-@pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name)
-def test_the_example_run_files_are_well_formed(path: Path) -> None:
-    """Every run file of the project has nothing to complain of, and finds its tables."""
-    found = load_config(path)
-    assert [str(problem) for problem in found.problems] == []
-    assert all(given.paths for given in found.inputs)
 
 
 def test_every_setting_is_read(folder: Path) -> None:

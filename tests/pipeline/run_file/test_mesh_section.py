@@ -113,4 +113,5 @@ def test_how_descriptions_name_meshes_is_a_setting_of_the_output(config: Callabl
     assert config("[]").output.mesh_prefix == "meshes/"
     assert config("[]", "output.layout=folders").output.mesh_prefix == "../meshes/"
     assert config("[]", "output.meshes=file").output.mesh_prefix is None
-    assert config("[]", "output.meshes=package://arm").output.mesh_prefix == "package://arm/meshes/"
+    for word in ("package://arm", "package://arm/"):
+        assert config("[]", f"output.meshes={word}").output.mesh_prefix == "package://arm/meshes/"

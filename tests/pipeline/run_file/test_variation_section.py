@@ -112,16 +112,6 @@ class TestRight:
 
 
 @pytest.mark.usefixtures("folder")
-def test_all_problems_are_said_at_once() -> None:
-    """Of every variation and every rule."""
-    _, problems = read(
-        "[{of: arm, count: -1, vary: {joints: 1, field: b, scale: [1, 2]}}, "
-        "{of: arm, count: 5, vary: {joints: 1, field: a}}, {count: 5, vary: RULE}]"
-    )
-    assert len(problems) == 4
-
-
-@pytest.mark.usefixtures("folder")
 def test_scipy_is_asked_for_before_anything_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it is not installed, the run names the extra."""
     read("{of: arm, count: 5, sampling: sobol, vary: RULE}")

@@ -1,14 +1,12 @@
 from __future__ import annotations
 
-import sys
 import warnings
 from collections import Counter
 
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.errors import MissingDependencyError
-from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, points as points_of, regrouped, require
+from dh2urdf.variations.sampling import MOST_POINTS, Sampling, permuted, points as points_of, regrouped
 
 
 def point(sampling: Sampling, *, seed: int, count: int, index: int, dimensions: int) -> list[float]:
@@ -114,12 +112,3 @@ def test_every_point_is_in_one_group(count: int, groups: int, seed: int) -> None
     for group in range(min(groups, count)):
         own = found[group::groups]
         assert own == list(range(own[0], own[0] + len(own)))
-
-
-def test_sobol_needs_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without it, the message says which extra brings it; other samplings need nothing."""
-    monkeypatch.setitem(sys.modules, "scipy.stats", None)
-    with pytest.raises(MissingDependencyError, match="sampling"):
-        require(Sampling.SOBOL)
-    require(Sampling.RANDOM)
-    require(Sampling.LATIN_HYPERCUBE)

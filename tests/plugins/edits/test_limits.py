@@ -87,10 +87,3 @@ def test_some_joints() -> None:
     with pytest.raises(EditError, match="no moving joint 'joint2'") as refused:
         edit_table(arm, LimitsOptions(joints=("joint2",)))
     assert "joint_2" in str(refused.value.problems[0].suggestion)
-
-
-def test_a_range_of_which_nothing_is_left() -> None:
-    """Each joint of which that is so is named."""
-    with pytest.raises(EditError, match="nothing is left of the range of the joint 'joint_1'") as refused:
-        edit_table(with_limits(Limits(lower=-1.0, upper=1.0)), LimitsOptions(margin=1.0))
-    assert len(refused.value.problems) == 6

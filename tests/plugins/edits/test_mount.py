@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dh2urdf.errors import EditError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
@@ -63,21 +62,6 @@ def test_a_box_is_solid(robot: Robot) -> None:
     assert (inertia.ixx, inertia.iyy, inertia.izz) == pytest.approx((0.065, 0.05, 0.025))
     assert link.inertial.mass == pytest.approx(6.0)
     assert len(link.visuals) == len(link.collisions) == 1
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({}, "what is mounted has no name"),
-        ({"name": "camera", "parent": "tool"}, "no link 'tool' on which"),
-        ({"name": "flange"}, "a link or a joint 'flange' already"),
-        ({"name": "tool0", "optical": True}, "a link or a joint 'tool0' already"),
-    ],
-)
-def test_what_the_robot_cannot_have(robot: Robot, options: dict[str, Any], message: str) -> None:
-    """A parent that is not there, a name that is taken."""
-    with pytest.raises(EditError, match=message):
-        edit_robot(robot, MountOptions(**options))
 
 
 def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Callable[..., Answer]) -> None:

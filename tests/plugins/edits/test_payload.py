@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dh2urdf.errors import EditError
 from dh2urdf.manipulator import Inertia, Payload
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.payload import PayloadOptions, edit_table
@@ -69,17 +68,6 @@ def cloud(body: Payload) -> tuple[Any, Any]:
     values, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
     reach = axes * np.sqrt(3 * values / body.mass)
     return np.concatenate([np.array(body.com) + reach.T, np.array(body.com) - reach.T]), np.full(6, body.mass / 6)
-
-
-def test_what_cannot_be_joined_is_refused() -> None:
-    """A payload without an inertia is a ball of a density that only the transform knows."""
-    bare = replace(UR5, payload=Payload(mass=1.0))
-    with pytest.raises(EditError, match="the payload that the arm has has no inertia"):
-        edit_table(bare, PayloadOptions(mass=1.0, radius=0.1))
-    with pytest.raises(EditError, match="the payload of this edit has no inertia"):
-        edit_table(edit_table(UR5, PayloadOptions(mass=1.0, radius=0.1)), PayloadOptions(mass=1.0))
-    with pytest.raises(EditError, match="the payload has no mass"):
-        edit_table(UR5, PayloadOptions())
 
 
 def test_it_is_a_link_of_every_file(cli: Callable[..., Answer], tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from dh2urdf.errors import ConfigError, ExecutorError, MissingDependencyError
+from dh2urdf.errors import ExecutorError, MissingDependencyError
 from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
@@ -123,11 +123,6 @@ def cluster(two_machines: Cluster, soon: Callable[..., bool]) -> Cluster:
 
 
 class TestACluster:
-    def test_errors_travel(self, functions: ModuleType, cluster: Cluster) -> None:
-        """An error of a worker is raised as it is, after the results before it."""
-        with pytest.raises(ConfigError, match=r"run\.yaml:3:7: error: wrong"):
-            list(map_on_dask(functions.fail, ["config"], cluster.options))
-
     def test_a_worker_does_one_task_at_a_time(self, functions: ModuleType, cluster: Cluster, tmp_path: Path) -> None:
         """The threads of a worker take turns: stages need not bear others beside them."""
         alone = list(map_on_dask(partial(functions.is_alone_in, tmp_path), range(40), cluster.options))

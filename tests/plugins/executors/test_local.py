@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 import operator
 import os
 import pickle
@@ -10,7 +9,6 @@ import subprocess
 import sys
 import traceback
 from functools import partial
-from itertools import count, islice
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,28 +18,13 @@ from dh2urdf.stages import Lost
 from dh2urdf_plugins.executors.local import EXECUTOR, LocalOptions, map_locally
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable
     from pathlib import Path
     from types import ModuleType
 
 # The work is done by functions of the standard library: a worker has to import what it is to call.
 call = operator.methodcaller("__call__")
-one_by = partial(operator.floordiv, 1)
-
 TWO = LocalOptions(workers=2)
-
-
-class Counted:
-    """Numbers from 0, counting how many were taken."""
-
-    def __init__(self, numbers: Any) -> None:
-        self.taken = 0
-        self._numbers = numbers
-
-    def __iter__(self) -> Iterator[int]:
-        for number in self._numbers:
-            self.taken += 1
-            yield number
 
 
 @pytest.fixture(params=[1, 2], ids=["in this process", "in others"])
@@ -49,47 +32,10 @@ def options(request: pytest.FixtureRequest) -> LocalOptions:
     return LocalOptions(workers=request.param)
 
 
-class TestResults:
-    @pytest.mark.parametrize("number", [0, 1, 2, 3, 200])
-    def test_come_in_the_order_of_the_tasks(self, options: LocalOptions, number: int) -> None:
-        """Every task has its result, in order, whichever task is done first."""
-        sizes = [2000 if i % 50 == 0 else i for i in range(number)]
-        assert list(map_locally(math.factorial, sizes, options)) == [math.factorial(size) for size in sizes]
-
-    def test_come_while_tasks_are_still_taken(self, options: LocalOptions) -> None:
-        """A run without end gives results: tasks are taken as they are needed, and a few ahead."""
-        tasks = Counted(count())
-        results = map_locally(operator.neg, tasks, options)
-        assert list(islice(results, 50)) == [-number for number in range(50)]
-        assert tasks.taken < 500
-        results.close()  # type: ignore[attr-defined]
-
-    def test_an_error_of_the_tasks_themselves_comes_in_its_place(self, options: LocalOptions) -> None:
-        """A reader that fails ends the run with its own error, after the results of all that it read."""
-
-        def tasks() -> Iterator[int]:
-            yield from range(5)
-            raise LookupError("no more rows")
-
-        results = map_locally(operator.neg, tasks(), options)
-        assert list(islice(results, 5)) == [0, -1, -2, -3, -4]
-        with pytest.raises(LookupError, match="no more rows"):
-            next(results)
-
-
 class TestProcesses:
     def test_one_task_needs_no_other_process(self) -> None:
         """One manipulator is made here, whatever number of workers is asked for."""
         assert list(map_locally(call, [os.getpid], LocalOptions(workers=8))) == [os.getpid()]
-
-    def test_none_is_left_when_the_results_are_not_wanted_any_more(
-        self, functions: ModuleType, is_running: Callable[[int], bool]
-    ) -> None:
-        """Where the run ends early, so do its processes."""
-        results = map_locally(functions.pid, count(), TWO)
-        workers = set(islice(results, 20))
-        results.close()  # type: ignore[attr-defined]
-        assert not any(map(is_running, workers))
 
     def test_what_a_worker_prints_reaches_standard_error(
         self, functions: ModuleType, capfd: pytest.CaptureFixture[str]

@@ -7,12 +7,10 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.errors import LoaderError
-from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import Inertia, JointType, Limits
-from dh2urdf.measuring import DOUBLE, Body, pose_error, reach, written_joint
+from dh2urdf.measuring import DOUBLE, pose_error, reach, written_joint
 from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
-from dh2urdf.rotations import IDENTITY, RigidTransform, rotation_from_rpy
+from dh2urdf.rotations import RigidTransform, rotation_from_rpy
 from dh2urdf_plugins.loaders.measures import Comparison, carriers, lumped_bodies, touching_pairs
 
 angles = st.floats(-3.1, 3.1)
@@ -111,26 +109,6 @@ def comparison(request_for: Any) -> Comparison:
 
 def held_joints(comparison: Comparison) -> list[dict[str, Any]]:
     return [{"name": joint.name, **written_joint(joint)} for joint in comparison.robot.moving_joints]
-
-
-def held_bodies(comparison: Comparison) -> dict[str, Body]:
-    zero = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 9)
-    return {
-        link.name: Body(link.inertial.mass, link.inertial.com, tensor(link.inertial.inertia)) if link.inertial else zero
-        for link in comparison.robot.links
-    }
-
-
-def test_nan_is_not_right(comparison: Comparison) -> None:
-    """A limit, a mass, an inertia or a pose that is no number differs from every number."""
-    joints = held_joints(comparison)
-    joints[0]["lower"] = math.nan
-    assert [problem.field for problem in comparison.joints(joints)] == ["lower"]
-    bodies = held_bodies(comparison)
-    bodies["hand"] = Body(math.nan, (math.nan, 0.0, 0.0), (math.nan,) * 9)
-    assert [problem.field for problem in comparison.masses(bodies)[1]] == ["mass", "com", "inertia"]
-    with pytest.raises(LoaderError, match="another place"):
-        comparison.poses(lambda _q, _links: {"tool0": IDENTITY._replace(translation=(math.nan, 0.0, 0.0))})
 
 
 def test_every_difference_is_told_at_once(comparison: Comparison) -> None:

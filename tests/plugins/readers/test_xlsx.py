@@ -296,13 +296,6 @@ def test_what_is_no_number_is_refused(sheet: Worksheet, value: Any, said: str) -
     assert re.search(rf"arm\.xlsx:Sheet2!C2: error: joint 'j(oint_)?1', field 'a': {re.escape(said)}", refusal())
 
 
-@pytest.mark.parametrize("text", ["-425 mm", "-0,425", "−0.425"])
-def test_texts_are_read_as_in_every_table(sheet: Worksheet, text: str) -> None:
-    """A number that is stored as text, too, and one with a decimal comma."""
-    fill(sheet, HEADER, ["j1", "R", text, 0, 0])
-    assert read_one().rows[0].a == -0.425
-
-
 # --- Formulas ---------------------------------------------------------------------------------------------------------
 
 

@@ -5,7 +5,6 @@ import math
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -252,36 +251,7 @@ class TestProof:
 # --- The files ---------------------------------------------------------------------------------------------------------
 
 
-def parts(content: bytes) -> dict[str, list[ET.Element]]:
-    """The materials, links and joints of a robot, each in order."""
-    root = ET.fromstring(content)  # noqa: S314 - our own file
-    return {tag: root.findall(tag) for tag in ("material", "link", "joint")}
-
-
-def same_text(mine: str, theirs: str) -> bool:
-    """Equal, or equal numbers within 1e-15·max(1, |x|)."""
-    if mine == theirs:
-        return True
-    pairs = list(zip(map(float, mine.split()), map(float, theirs.split()), strict=True))
-    return all(abs(x - y) <= 1e-15 * max(1, abs(y)) for x, y in pairs)
-
-
 class TestXacro:
-    @pytest.mark.parametrize("single_file", [False, True])
-    def test_expanded_it_is_the_urdf(self, tmp_path: Path, *, single_file: bool) -> None:
-        """Materials, links and joints, each in order, tag by tag and attribute by attribute."""
-        robot = compose(ON_TRACK, robots())
-        for file in XACRO.emit(robot, "cell", XACRO.options(single_file=single_file)):
-            (tmp_path / file.name).write_bytes(file.content)
-        expanded = parts(expand(tmp_path / "cell.urdf.xacro"))
-        urdf = parts(URDF.emit(robot, "cell", URDF.options())[0].content)
-        for tag, elements in urdf.items():
-            assert len(elements) > 5
-            for mine, theirs in zip(expanded[tag], elements, strict=True):
-                for left, right in zip(mine.iter(), theirs.iter(), strict=True):
-                    assert (left.tag, len(left), set(left.attrib)) == (right.tag, len(right), set(right.attrib))
-                    assert all(same_text(text, right.attrib[key]) for key, text in left.attrib.items())
-
     def test_there_is_one_macro_for_each_kind_and_one_call_for_each_arm(self) -> None:
         """The parameters of each kind are there once, too."""
         top, library = XACRO.emit(compose(ON_TRACK, robots()), "cell", XACRO.options())

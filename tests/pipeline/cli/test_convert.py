@@ -71,16 +71,6 @@ class TestStandardOutput:
             *("shoulder", "elbow")
         }
 
-    def test_nothing_of_an_error_gets_there(self, cli: Cli, folder: Path) -> None:
-        """All problems of a table come at once on standard error, each with file:line:column; no half of a file."""
-        (folder / "bad.csv").write_text(
-            "# convention: standard\njoint,type,a,alpha,d\none,revolute,0,90,0.1\ntwo,revolut,x,0,\n"
-        )
-        answer = cli("convert", "bad.csv", status=2)
-        assert answer.stdout == ""
-        places = [line.partition(": error: ")[0] for line in answer.stderr.splitlines() if ": error: " in line]
-        assert places == ["bad.csv:3:16", "bad.csv:4:5", "bad.csv:4:13", "bad.csv:4:17"]
-
 
 @pytest.mark.usefixtures("folder")
 class TestFiles:

@@ -84,9 +84,11 @@ class TestKeptChild:
         assert is_running(pid)
         assert [report.simulator for report in reports] == [f"good_{number}.urdf" for number in range(10)]
 
-    def test_serves_one_loader_with_its_options(self, functions: ModuleType, children: KeptChildren) -> None:
+    def test_serves_one_loader_with_its_options(
+        self, functions: ModuleType, children: KeptChildren, request_for: Callable[[str], LoadRequest]
+    ) -> None:
         """Loaders of other functions have other children, and one that declares nothing has a new one each time."""
-        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        request = request_for("good")
         others = [with_field(functions.KEPT, "prepare", function) for function in (functions.prepare_otherwise, None)]
         pids = [
             load_in_child(loader, request, NoOptions(), None, children).version
@@ -173,9 +175,11 @@ class TestKeptChild:
 
 
 class TestLifetime:
-    def test_ends_with_its_context(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
+    def test_ends_with_its_context(
+        self, functions: ModuleType, is_running: Callable[[int], bool], request_for: Callable[[str], LoadRequest]
+    ) -> None:
         """Also where the context ends with an error."""
-        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        request = request_for("good")
         pids = []
 
         def use(children: KeptChildren) -> None:
@@ -188,9 +192,11 @@ class TestLifetime:
         assert pids
         assert not any(map(is_running, pids))
 
-    def test_ends_where_nobody_has_it_any_more(self, functions: ModuleType, is_running: Callable[[int], bool]) -> None:
+    def test_ends_where_nobody_has_it_any_more(
+        self, functions: ModuleType, is_running: Callable[[int], bool], request_for: Callable[[str], LoadRequest]
+    ) -> None:
         """A worker has no context around a run: its children go with what it works with."""
-        request = LoadRequest(path=Path("good"), robot=Robot(name="arm", links=(), joints=()), poses=(), expected={})
+        request = request_for("good")
         children = pickle.loads(pickle.dumps(KeptChildren()))  # noqa: S301 - made here
         pid = int(load_in_child(functions.KEPT, request, NoOptions(), None, children).version)
         assert is_running(pid)

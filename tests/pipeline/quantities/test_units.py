@@ -166,22 +166,6 @@ def test_no_unit_goes_without_its_definition_here() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "dimension", "unit"),
-    [
-        ("lb", Dimension.MASS, "lb"),
-        ("lb", Dimension.FORCE, "lbf"),
-        ("nm", Dimension.LENGTH, "nm"),
-        ("nm", Dimension.TORQUE, "Nm"),
-        ("Nm", Dimension.EFFORT, "Nm"),
-    ],
-)
-def test_a_word_with_two_meanings_is_decided_by_what_is_measured(word: str, dimension: Dimension, unit: str) -> None:
-    """A pound is a mass or a force; nm is a nanometre, or a newton metre without its capitals."""
-    assert find_unit(word, dimension).symbol == unit
-    assert evaluate(f"2 {word}", dimension).has_unit
-
-
-@pytest.mark.parametrize(
     ("dimension", "words"),
     [
         (Dimension.LENGTH, "Nm"),

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import gc
 import io
-import os
 import warnings
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -94,17 +93,6 @@ def test_a_line_or_cell_without_end_is_refused(read: Callable[..., list[Manipula
     """A file is read in blocks; what does not fit one is no table, nor is what has no header for a thousand lines."""
     with pytest.raises(TableError):
         read(content, convention="standard")
-
-
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
-    """A folder, a link to nothing, a loop of links, a pipe: each is an error of the table, not of the program."""
-    (tmp_path / "folder.csv").mkdir()
-    (tmp_path / "dangling.csv").symlink_to("nowhere")
-    (tmp_path / "loop.csv").symlink_to("loop.csv")
-    os.mkfifo(tmp_path / "pipe.csv")
-    for name in ("folder.csv", "dangling.csv", "loop.csv", "pipe.csv", "missing.csv"):
-        with pytest.raises(TableError, match=name):
-            list(CSV.read(tmp_path / name, STANDARD))
 
 
 def test_a_reader_that_is_left_closes_its_file(tmp_path: Path) -> None:

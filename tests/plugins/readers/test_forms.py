@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 import dh2urdf
-from dh2urdf.commands import table_content
 from dh2urdf.errors import Dh2UrdfError, TableError
 from dh2urdf_plugins.packages.table import TableOptions as Notation
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
@@ -131,7 +130,7 @@ def test_of_several_tables_the_one_with_parameters_is_read() -> None:
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
 def test_what_is_written_is_read_back(table: Path, tmp_path: Path) -> None:
-    """Markdown and LaTeX for papers, CSV and YAML: convention, names, types, bounds, base and tool are the same."""
+    """Markdown and LaTeX for papers: convention, names, types, bounds, base and tool are the same."""
     arm = dh2urdf.read(table)
     for suffix, form in ((".md", markdown_file), (".tex", latex_file)):
         for units in (("m", "rad"), ("mm", "deg")):
@@ -149,10 +148,6 @@ def test_what_is_written_is_read_back(table: Path, tmp_path: Path) -> None:
             for one, other in ((again.base, arm.base), (again.tool, arm.tool)):
                 assert one.translation == pytest.approx(other.translation, abs=1e-12)
                 assert one.rpy == pytest.approx(other.rpy, abs=1e-12)
-    for name in ("csv", "yaml"):
-        path = tmp_path / f"arm.{name}"
-        path.write_bytes(table_content(name, [arm]))
-        assert dh2urdf.read(path).rows == arm.rows
 
 
 # --- Sizes ------------------------------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet as pq
 
-from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Inertia, JointType, Manipulator
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers import stages
@@ -137,34 +136,6 @@ def test_a_column_with_values_is_refused(header: str, cell: str, read: Read) -> 
     if problem.code != "unknown-key":
         assert (problem.code, problem.field, problem.found) == ("unknown-column", header, cell)
         assert isinstance(read({header: ""}), Manipulator)
-
-
-@pytest.mark.parametrize(
-    ("cells", "code"),
-    [
-        ({"weight [N]": "3"}, "unit-of-header"),
-        ({"a2": "0.3", "length [mm]": "3"}, "two-columns"),
-        ({"Range": "±1", "lower": "0"}, "two-columns"),
-        ({"theta": "0", "theta offset": "1"}, "unknown-column"),
-        ({"theta_min": "-1", "theta_max": "1", "offset": "0.5"}, "bound-of-theta"),
-        ({**BODY, "inertia": "0.1 0 0 0.1 0 0.1"}, "inertia-no-matrix"),
-        ({"com": "0.1 0.2"}, "com-not-three"),
-        ({"tetha": "1"}, "misspelt-header"),
-        ({"-d [mm]": "1"}, "header-with-sign"),
-        ({"type": "1"}, "type-unknown"),
-    ],
-    ids=str,
-)
-def test_a_column_of_doubtful_meaning_is_refused(cells: dict[str, str], code: str, tmp_path: Path) -> None:
-    """What can be read in two ways is not read."""
-    path = _csv(tmp_path / "arm", {"a": "0.3", "alpha": "0", "d": "0", **cells})
-    try:
-        (arm,) = stages.CSV.read(path, OPTIONS)
-        assert not isinstance(arm, Manipulator)
-        problems = arm.problems
-    except TableError as error:
-        problems = tuple(error.problems)
-    assert code in [problem.code for problem in problems]
 
 
 @pytest.mark.parametrize("header", ["supplier", "Parent", "height", "Motion"])

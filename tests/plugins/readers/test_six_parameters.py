@@ -179,24 +179,6 @@ def test_many_arms_of_one_file(convention: str, cli: Callable[..., Answer], tmp_
         assert written.splitlines()[2:] == alone.splitlines()[2:]
 
 
-@pytest.mark.parametrize(
-    ("convention", "table", "code"),
-    [
-        ("standard", "a,alpha,d,gamma,b\n0,0,1,0.1,0\n", "gamma-in-standard"),
-        ("standard", "a,alpha,d,gamma,b\n0,0,1,0,0.1\n", "gamma-in-standard"),
-        ("modified", "a,alpha,d,b\n0,0,1,0.1\n", "b-alone"),
-        ("modified", "a,alpha,d,gamma,b\n0,0,1,0,1e12\n", "b-too-long"),
-        ("standard", "a,alpha,d,beta\n0,0,1,90\n", "angle-in-degrees"),
-        ("standard", "a,alpha,d,beta\n0,0,1,q1\n", "variable-elsewhere"),
-        ("modified", "a_{i-1},alpha_{i-1},d,beta_{i-1}\n0,0,1,0.1\n", "other-link"),
-    ],
-)
-def test_what_cannot_be(convention: str, table: str, code: str) -> None:
-    with pytest.raises(TableError) as caught:
-        dh2urdf.read(f"# convention: {convention}\n{table}", reader="csv")
-    assert [problem.code for problem in caught.value.problems] == [code]
-
-
 def test_a_table_of_differences_has_none(tmp_path: Path) -> None:
     """Differences are added to rows of four parameters: a β of them is refused, a column of zeros is not."""
     (table := tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d,beta\n0.5,0,0,0.01\n0.5,0,0,0\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf_check.inspection import model_rules
@@ -11,94 +12,11 @@ from dh2urdf_check.rules import rules
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
-SOUND = """<?xml version="1.0" encoding="utf-8"?>
-<robot name="arm">
-  <mujoco>
-    <compiler fusestatic="false" discardvisual="false"/>
-  </mujoco>
-  <material name="grey">
-    <color rgba="0.5 0.5 0.5 1"/>
-  </material>
-  <link name="base_link"/>
-  <link name="base_link_inertia">
-    <inertial>
-      <origin xyz="0 0 0.05" rpy="0 0 0"/>
-      <mass value="3"/>
-      <inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/>
-    </inertial>
-  </link>
-  <link name="link_1">
-    <inertial>
-      <origin xyz="0.1 0 0.05" rpy="0 0 0"/>
-      <mass value="2"/>
-      <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>
-    </inertial>
-    <visual>
-      <origin xyz="0.1 0 0" rpy="0 0 0"/>
-      <geometry>
-        <box size="0.1 0.05 0.05"/>
-      </geometry>
-      <material name="grey"/>
-    </visual>
-    <collision>
-      <origin xyz="0.1 0 0" rpy="0 0 0"/>
-      <geometry>
-        <cylinder radius="0.02" length="0.05"/>
-      </geometry>
-    </collision>
-  </link>
-  <link name="link_2">
-    <inertial>
-      <origin xyz="0.1 0 0" rpy="0 0 0"/>
-      <mass value="1"/>
-      <inertia ixx="0.005" ixy="0" ixz="0" iyy="0.006" iyz="0" izz="0.007"/>
-    </inertial>
-  </link>
-  <link name="flange">
-    <inertial>
-      <mass value="0"/>
-      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
-    </inertial>
-  </link>
-  <link name="tool0">
-    <inertial>
-      <mass value="0"/>
-      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
-    </inertial>
-  </link>
-  <joint name="base_link-base_link_inertia" type="fixed">
-    <origin xyz="0 0 0" rpy="0 0 0"/>
-    <parent link="base_link"/>
-    <child link="base_link_inertia"/>
-  </joint>
-  <joint name="shoulder" type="revolute">
-    <origin xyz="0 0 0.1" rpy="0 0 0"/>
-    <parent link="base_link_inertia"/>
-    <child link="link_1"/>
-    <axis xyz="0 0 1"/>
-    <limit lower="-1" upper="1.5" effort="50" velocity="3"/>
-  </joint>
-  <joint name="elbow" type="revolute">
-    <origin xyz="0.3 0 0" rpy="0 0 0"/>
-    <parent link="link_1"/>
-    <child link="link_2"/>
-    <axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" effort="20" velocity="3"/>
-  </joint>
-  <joint name="link_2-flange" type="fixed">
-    <origin xyz="0.2 0 0" rpy="0 0 0"/>
-    <parent link="link_2"/>
-    <child link="flange"/>
-  </joint>
-  <joint name="link_2-tool0" type="fixed">
-    <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-    <parent link="link_2"/>
-    <child link="tool0"/>
-  </joint>
-</robot>
-"""
+
+SUFFIXES = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
+SOUND_OF = {name: Path(__file__).with_name(f"sound{suffix}").read_text("utf-8") for name, suffix in SUFFIXES.items()}
+SOUND, SDF, MJCF = SOUND_OF.values()
 
 ELBOW, ELBOW_AXIS = '<joint name="elbow" type="revolute">', '<axis xyz="0 1 0"/>'
 ELBOW_LIMIT = '<limit lower="-2" upper="2" effort="20" velocity="3"/>'
@@ -111,93 +29,6 @@ LINK_2_BODY = f"""    <inertial>
 """
 BOX, CYLINDER = '<box size="0.1 0.05 0.05"/>', '<cylinder radius="0.02" length="0.05"/>'
 END = "</robot>\n"
-
-SDF = """<?xml version="1.0"?>
-<sdf version="1.7">
-  <model name="arm">
-    <link name="base">
-      <inertial>
-        <mass>3</mass>
-        <inertia><ixx>0.02</ixx><ixy>0</ixy><ixz>0</ixz><iyy>0.02</iyy><iyz>0</iyz><izz>0.02</izz></inertia>
-      </inertial>
-    </link>
-    <link name="arm_1">
-      <pose>0 0 0.1 0 0 0</pose>
-      <inertial>
-        <pose>0.1 0 0 0 0 0</pose>
-        <mass>1</mass>
-        <inertia><ixx>0.005</ixx><ixy>0</ixy><ixz>0</ixz><iyy>0.006</iyy><iyz>0</iyz><izz>0.007</izz></inertia>
-      </inertial>
-      <visual name="shape">
-        <geometry><box><size>0.2 0.05 0.05</size></box></geometry>
-      </visual>
-    </link>
-    <joint name="elbow" type="revolute">
-      <parent>base</parent>
-      <child>arm_1</child>
-      <axis>
-        <xyz>0 0 1</xyz>
-        <limit><lower>-1</lower><upper>2</upper><effort>20</effort><velocity>3</velocity></limit>
-      </axis>
-    </joint>
-    <link name="arm_2">
-      <pose>0.2 0 0.1 0 0 0</pose>
-      <inertial>
-        <mass>0.5</mass>
-        <inertia><ixx>0.001</ixx><ixy>0</ixy><ixz>0</ixz><iyy>0.001</iyy><iyz>0</iyz><izz>0.001</izz></inertia>
-      </inertial>
-    </link>
-    <joint name="slide" type="prismatic">
-      <parent>arm_1</parent>
-      <child>arm_2</child>
-      <axis>
-        <xyz>1 0 0</xyz>
-        <limit><lower>0</lower><upper>0.3</upper><effort>9</effort><velocity>1</velocity></limit>
-      </axis>
-    </joint>
-  </model>
-</sdf>
-"""
-
-MJCF = """<?xml version="1.0"?>
-<mujoco model="arm">
-  <compiler angle="radian"/>
-  <default>
-    <default class="drive">
-      <joint damping="0.1"/>
-    </default>
-  </default>
-  <asset>
-    <material name="grey" rgba="0.5 0.5 0.5 1"/>
-    <mesh name="part" file="part.obj"/>
-  </asset>
-  <worldbody>
-    <body name="base">
-      <inertial pos="0 0 0" mass="3" diaginertia="0.02 0.02 0.02"/>
-      <body name="arm_1" pos="0 0 0.1">
-        <inertial pos="0.1 0 0" mass="1" diaginertia="0.005 0.006 0.007"/>
-        <joint name="elbow" class="drive" type="hinge" axis="0 0 1" limited="true" range="-1 2"/>
-        <geom name="shape" type="box" size="0.1 0.025 0.025" material="grey"/>
-        <geom type="mesh" mesh="part"/>
-        <body name="arm_2" pos="0.2 0 0">
-          <inertial pos="0 0 0" mass="0.5" diaginertia="0.001 0.001 0.001"/>
-          <joint name="slide" type="slide" axis="1 0 0" limited="true" range="0 0.3"/>
-          <geom type="sphere" size="0.02"/>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <contact>
-    <exclude body1="base" body2="arm_1"/>
-  </contact>
-  <actuator>
-    <position name="elbow" joint="elbow" kp="100" ctrlrange="-2 2"/>
-  </actuator>
-</mujoco>
-"""
-
-SOUND_OF = {"urdf": SOUND, "sdf": SDF, "mjcf": MJCF}
-SUFFIXES = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
 
 
 class Proof(NamedTuple):

@@ -79,31 +79,6 @@ SHOWS_INERTIAS = """() => {
 }"""
 
 
-def test_a_reload_in_the_table(tab: Any) -> None:
-    """The cursor is in its cell again, and a cell that was being typed has the text as far as it was typed."""
-    page = tab.open("ur5")
-    cursor = """() => {
-        const cell = document.activeElement.closest('.ag-cell');
-        return cell && [cell.closest('.ag-row').getAttribute('row-index'), cell.getAttribute('col-id')].join();
-    }"""
-    tab.cell(2, "a").click()
-    page.keyboard.press("ArrowRight")
-    page.reload()
-    page.wait_for_function(f"({cursor})() === '2,alpha'")
-    page.keyboard.press("ArrowDown")
-    page.wait_for_function(f"({cursor})() === '3,alpha'")
-    page.keyboard.type("0.25")
-    page.reload()
-    tab.wait_for_cell(3, "alpha", "0.25")
-    page.wait_for_function(f"({cursor})() === '3,alpha'")
-    page.get_by_role("button", name="undo", exact=True).click()
-    tab.wait_for_cell(3, "alpha", "pi/2")
-    page.reload()  # the cursor is no longer in the table
-    tab.wait_for_cell(3, "alpha", "pi/2")
-    page.wait_for_function("document.querySelector('.arm-view')?.shown > 0")  # which comes after the cursor
-    assert page.evaluate(cursor) is None
-
-
 def test_a_reload_and_another_tab(tab: Any, new_tab: Callable[..., Any], arm_of: Callable[..., Manipulator]) -> None:
     """A reload finds table, pose, past and what is shown again; another tab has its own."""
     page = tab.open("scara")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
@@ -18,7 +19,6 @@ from dh2urdf_plugins.transforms import alpha_swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from dh2urdf.robot import Robot
     from dh2urdf.stages import LoadReport
@@ -28,89 +28,7 @@ HEIGHT, UPPER_ARM, FOREARM = 0.3, 0.4, 0.35
 
 # An arm in a vertical plane, written by hand: joints 1 and 2 turn about y, joint 3 draws the forearm out along x,
 # joint 4 turns the hand about x without end.
-URDF = """<?xml version="1.0"?>
-<robot name="planar">
-  <link name="base_link"/>
-  <joint name="base_link-base_link_inertia" type="fixed">
-    <parent link="base_link"/>
-    <child link="base_link_inertia"/>
-  </joint>
-  <link name="base_link_inertia">
-    <inertial><mass value="3"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.02"/></inertial>
-    <visual>
-      <geometry><cylinder radius="0.06" length="0.04"/></geometry>
-      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
-    </visual>
-  </link>
-  <joint name="shoulder" type="revolute">
-    <origin xyz="0 0 0.3"/>
-    <parent link="base_link_inertia"/>
-    <child link="upper_arm"/>
-    <axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2.5" effort="60" velocity="3"/>
-  </joint>
-  <link name="upper_arm">
-    <inertial>
-      <origin xyz="0.2 0.01 0"/>
-      <mass value="2"/>
-      <inertia ixx="0.004" ixy="0.0003" ixz="0.0001" iyy="0.03" iyz="-0.0002" izz="0.031"/>
-    </inertial>
-    <visual>
-      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry><cylinder radius="0.04" length="0.4"/></geometry>
-      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
-    </visual>
-    <collision>
-      <origin xyz="0.2 0 0" rpy="0 1.5707963267948966 0"/>
-      <geometry><cylinder radius="0.04" length="0.3"/></geometry>
-    </collision>
-  </link>
-  <joint name="elbow" type="revolute">
-    <origin xyz="0.4 0 0"/>
-    <parent link="upper_arm"/>
-    <child link="forearm"/>
-    <axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" effort="30" velocity="3"/>
-  </joint>
-  <link name="forearm">
-    <inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
-    <visual>
-      <origin xyz="0.2 0 0"/>
-      <geometry><box size="0.4 0.06 0.06"/></geometry>
-      <material name="blue"><color rgba="0.1 0.2 0.6 1"/></material>
-    </visual>
-  </link>
-  <joint name="slide" type="prismatic">
-    <origin xyz="0.35 0 0"/>
-    <parent link="forearm"/>
-    <child link="slider"/>
-    <axis xyz="1 0 0"/>
-    <limit lower="0.05" upper="0.2" effort="50" velocity="0.5"/>
-  </joint>
-  <link name="slider">
-    <inertial><mass value="0.5"/><inertia ixx="0.002" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.002"/></inertial>
-    <collision><geometry><cylinder radius="0.03" length="0.1"/></geometry></collision>
-  </link>
-  <joint name="wrist" type="continuous">
-    <parent link="slider"/>
-    <child link="hand"/>
-    <axis xyz="1 0 0"/>
-    <limit effort="10" velocity="6"/>
-  </joint>
-  <link name="hand">
-    <inertial><mass value="0.2"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial>
-  </link>
-  <joint name="hand-tool0" type="fixed">
-    <parent link="hand"/>
-    <child link="tool0"/>
-  </joint>
-  <link name="tool0">
-    <inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
-  </link>
-</robot>
-"""
-
-
+URDF = Path(__file__).with_name("planar.urdf").read_text("utf-8")
 ROBOT = parse_urdf(URDF.encode(), "planar.urdf")
 
 

@@ -23,7 +23,6 @@ from dh2urdf.plugin_system import load
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from conftest import Answer
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -98,11 +97,7 @@ def test_the_density_is_the_default() -> None:
     assert f"{default:g} kg/m³" in README.read_text("utf-8")
 
 
-@pytest.mark.parametrize("command", program.list_commands(click.Context(program, **program.context_settings)))
-def test_every_command_and_flag_is_there(cli: Callable[..., Answer], command: str) -> None:
-    """The README names every command, and no flag of one that does not have it."""
-    text = README.read_text("utf-8")
-    assert f"dh2urdf {command}" in text
-    for line in re.findall(rf"dh2urdf {command} ([^`\n]*)", text):
-        for flag in re.findall(r"(?<!\S)--?[a-z-]+", line):
-            assert flag in cli(command, "--help").stdout
+def test_every_command_is_there() -> None:
+    """The README names every command; tests/test_docs.py looks at the flags."""
+    commands = program.list_commands(click.Context(program, **program.context_settings))
+    assert [name for name in commands if f"dh2urdf {name}" not in README.read_text("utf-8")] == []

@@ -45,10 +45,7 @@ OF_THE_SOUND_FILE = {"root-without-inertial", "named-colour"}
 """Rules that the sound file breaks, too."""
 
 
-NEWER = {
-    *("weightless-holder", "calibration-text", "mimic-without-range", "root-merged", "free-root", "empty-root"),
-    *("usd-name", "collada-unit", "hollow-mesh"),
-}
+NEWER = {"free-root", "empty-root", "usd-name"}
 """Rules that the record does not have."""
 
 

@@ -78,6 +78,7 @@ def aside(link: str, q: Sequence[float]) -> Any:
 
 
 HEAVY = {name: replace(body, mass=body.mass + 0.001) for name, body in (RIGHT.bodies or {}).items()}
+NAN = {name: replace(body, mass=math.nan) for name, body in (RIGHT.bodies or {}).items()}
 
 
 @pytest.mark.parametrize(
@@ -86,7 +87,7 @@ HEAVY = {name: replace(body, mass=body.mass + 0.001) for name, body in (RIGHT.bo
         ({"pose": aside}, "tip-elsewhere"),
         ({"pose": lambda *_: np.full((4, 4), math.nan)}, "tip-elsewhere"),
         ({"bodies": HEAVY}, "link-differs"),
-        ({"bodies": dict.fromkeys(HEAVY, Inertial(mass=math.nan))}, "link-differs"),
+        ({"bodies": NAN}, "link-differs"),
         ({"bodies": {}}, "link-lost"),
         ({"joints": RIGHT.joints[1:]}, "joint-lost"),
         ({"joints": [*RIGHT.joints, {"name": "thumb"}]}, "joint-not-written"),

@@ -95,12 +95,7 @@ OTHERS: dict[type, dict[str, Any]] = {
         "visuals": False,
         "collisions": False,
     },
-    DHRow: {
-        "joint": "other",
-        "link": "other",
-        "type": JointType.CONTINUOUS,
-        "sign": -1,
-    },
+    DHRow: {"joint": "other", "link": "other", "type": JointType.CONTINUOUS, "sign": -1},
     LinkGeometry: {"shape": "capsule"},
     MeshShape: {"pose": PLACED, "scale": (2.0, 1.0, 1.0), "file": MESH},
 }

@@ -292,12 +292,7 @@ class TestChoices:
     @pytest.mark.parametrize(
         ("record", "name", "value", "says"),
         [
-            (
-                ARM,
-                "convention",
-                "foo",
-                "accepted: standard or modified, as text or as a dh2urdf.Convention",
-            ),
+            (ARM, "convention", "foo", "accepted: standard or modified, as text or as a dh2urdf.Convention"),
             (ARM, "convention", None, "NoneType"),
             (ROW, "type", "R", "is no JointType"),
             (JOINT, "type", 0, "int"),
@@ -333,7 +328,7 @@ class TestNamesAndRecords:
                 for record in RECORDS
                 for field in fields(record)
                 if is_dataclass(getattr(record, field.name))
-            ),
+            )
         ],
         ids=lambda value: value if isinstance(value, str) else type(value).__name__,
     )
@@ -357,12 +352,7 @@ class TestNamesAndRecords:
 
 class TestRows:
     @pytest.mark.parametrize(
-        ("rows", "says"),
-        [
-            ((), "the table has no rows"),
-            ("rows", "str"),
-            ({"shoulder": ROW}, "dict"),
-        ],
+        ("rows", "says"), [((), "the table has no rows"), ("rows", "str"), ({"shoulder": ROW}, "dict")]
     )
     def test_what_is_no_rows_is_refused(self, rows: Any, says: str) -> None:
         """One row alone, none, twins."""

@@ -51,11 +51,7 @@ class TestProblem:
 class TestShown:
     @pytest.mark.parametrize(
         ("text", "expected"),
-        [
-            ("\x1b[31mred", r"'\x1b[31mred'"),
-            ("\u202eleft", r"'\u202eleft'"),
-            ("lone \udc80", r"'lone \udc80'"),
-        ],
+        [("\x1b[31mred", r"'\x1b[31mred'"), ("\u202eleft", r"'\u202eleft'"), ("lone \udc80", r"'lone \udc80'")],
     )
     def test_what_would_act_on_a_terminal_is_spelled_out(self, text: str, expected: str) -> None:
         """Escape sequences, line ends, direction marks and lone surrogates of a table never reach the terminal."""

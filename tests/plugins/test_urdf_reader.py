@@ -101,9 +101,7 @@ MJCF_BODY = '<mujoco><worldbody><body name="a">{}</body></worldbody></mujoco>'
 SDF_MODEL = '<sdf version="1.7"><model name="m"><link name="a"/><link name="b"/>{}</model></sdf>'
 REFUSED: dict[Any, dict[str, list[str]]] = {
     parse_urdf: {
-        "xml-refused": [
-            '<!DOCTYPE robot [<!ENTITY e SYSTEM "file:///etc/hostname">]><robot name="r">&e;</robot>',
-        ],
+        "xml-refused": ['<!DOCTYPE robot [<!ENTITY e SYSTEM "file:///etc/hostname">]><robot name="r">&e;</robot>'],
         "not-xml": [ARM.replace("</robot>", "")],
         "root-element-other": ["<sdf/>"],
         "attribute-missing": [ARM.replace('length="2"', "")],
@@ -128,7 +126,7 @@ REFUSED: dict[Any, dict[str, list[str]]] = {
             )
         ],
         "joint-type-foreign": [
-            SDF_MODEL.format('<joint name="j" type="ball"><parent>a</parent><child>b</child></joint>'),
+            SDF_MODEL.format('<joint name="j" type="ball"><parent>a</parent><child>b</child></joint>')
         ],
     },
     parse_mjcf: {

@@ -136,11 +136,7 @@ class TestWritten:
 
     @pytest.mark.parametrize("suffix", [".yaml", ".csv"])
     @pytest.mark.parametrize(
-        ("robot", "file"),
-        [
-            ("ur5", "lengths in mm.urdf"),
-            ("name: base, 12 mm", "scara arm.urdf"),
-        ],
+        ("robot", "file"), [("ur5", "lengths in mm.urdf"), ("name: base, 12 mm", "scara arm.urdf")]
     )
     def test_nothing_is_read_from_its_comments(
         self, ur5: Path, tmp_path: Path, robot: str, file: str, suffix: str

@@ -158,11 +158,7 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
         gathered = Verdicts({name: False for each in outcomes for name in each.loads})
         for row in rows:
             gathered.add(row)
-        report = {
-            "manipulators": rows,
-            "coverage": gathered.coverage,
-            "simulator_notices": gathered.notices(),
-        }
+        report = {"manipulators": rows, "coverage": gathered.coverage, "simulator_notices": gathered.notices()}
         print_summary(result, report, "build/out", "build/out", dry_run=dry_run)
         return capsys.readouterr().out.splitlines()
 

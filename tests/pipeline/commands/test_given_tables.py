@@ -15,16 +15,7 @@ from hypothesis import Phase, given, settings, strategies as st
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, RecordValueError, RobotError, TableError
-from dh2urdf.manipulator import (
-    Convention,
-    DHRow,
-    Inertia,
-    JointType,
-    Limits,
-    LinkGeometry,
-    Manipulator,
-    Payload,
-)
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
 if TYPE_CHECKING:

@@ -7,21 +7,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from small_stages import drawing, one_joint, pickling, robot_of
 
-from dh2urdf.conversion.one_manipulator import (
-    Call,
-    Recipe,
-    Written,
-    emit_robot,
-    write_robot,
-)
+from dh2urdf.conversion.one_manipulator import Call, Recipe, Written, emit_robot, write_robot
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.errors import (
-    EmitterError,
-    ManipulatorError,
-    ProofError,
-    RobotError,
-    StageError,
-)
+from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, StageError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter

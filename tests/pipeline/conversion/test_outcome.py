@@ -7,11 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.conversion.outcome import kind_of, to_line
-from dh2urdf.errors import (
-    StageError,
-    TableError,
-    TimeLimitError,
-)
+from dh2urdf.errors import StageError, TableError, TimeLimitError
 
 
 @pytest.mark.parametrize(

@@ -127,12 +127,7 @@ def test_any_text_is_read_or_refused(content: str | bytes) -> None:
 def test_merge_keys_take_in_defaults() -> None:
     """`<<` adds what the mapping does not say itself; of a list of mappings, earlier ones win."""
     text = "d: &d {p: 1, q: 2}\na: {<<: *d, q: 3}\nb: {q: 3, <<: [{q: 9, r: 8}, *d]}\nc: {'<<': 1}\n"
-    assert plain(text) == {
-        "d": {"p": 1, "q": 2},
-        "a": {"q": 3, "p": 1},
-        "b": {"q": 3, "r": 8, "p": 1},
-        "c": {"<<": 1},
-    }
+    assert plain(text) == {"d": {"p": 1, "q": 2}, "a": {"q": 3, "p": 1}, "b": {"q": 3, "r": 8, "p": 1}, "c": {"<<": 1}}
 
 
 def test_a_merged_value_keeps_its_place() -> None:

@@ -169,11 +169,7 @@ class Hasty:
 
 
 LOADER = Loader(
-    name="toy",
-    summary="loads nothing",
-    open=load,
-    options=NoOptions,
-    capabilities=(ReadsOutput(read_output),),
+    name="toy", summary="loads nothing", open=load, options=NoOptions, capabilities=(ReadsOutput(read_output),)
 )
 
 

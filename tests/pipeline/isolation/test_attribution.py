@@ -51,12 +51,7 @@ class TestInAChild:
         ],
     )
     def test_the_parent_knows(
-        self,
-        tmp_path: Path,
-        install: Callable[..., None],
-        monkeypatch: pytest.MonkeyPatch,
-        ending: str,
-        who: str,
+        self, tmp_path: Path, install: Callable[..., None], monkeypatch: pytest.MonkeyPatch, ending: str, who: str
     ) -> None:
         """However the child ended; nobody is named where it ended by itself."""
         install(tmp_path, "lab", "")

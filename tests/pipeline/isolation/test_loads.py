@@ -128,11 +128,7 @@ class TestKeptChild:
 
     @pytest.mark.parametrize("name", ["late", "orphan"])
     def test_is_replaced_where_a_load_leaves_a_process(
-        self,
-        kept: Callable[..., LoadReport],
-        soon: Callable[..., bool],
-        is_running: Callable[[int], bool],
-        name: str,
+        self, kept: Callable[..., LoadReport], soon: Callable[..., bool], is_running: Callable[[int], bool], name: str
     ) -> None:
         """The load counts, its processes are ended, and the next one gets another child."""
         first = kept("good").version

@@ -44,11 +44,7 @@ def opw_pose(opw: OpwParameters, q: list[float]) -> np.ndarray:
     x = opw.c2 * math.sin(t[1]) + k * math.sin(t[1] + t[2] + psi) + opw.a1
     z = opw.c2 * math.cos(t[1]) + k * math.cos(t[1] + t[2] + psi)
     centre = np.array(
-        [
-            x * math.cos(t[0]) - opw.b * math.sin(t[0]),
-            x * math.sin(t[0]) + opw.b * math.cos(t[0]),
-            z + opw.c1,
-        ]
+        [x * math.cos(t[0]) - opw.b * math.sin(t[0]), x * math.sin(t[0]) + opw.b * math.cos(t[0]), z + opw.c1]
     )
     rotation = about_z(t[0]) @ about_y(t[1] + t[2]) @ about_z(t[3]) @ about_y(t[4]) @ about_z(t[5])
     pose = np.eye(4)

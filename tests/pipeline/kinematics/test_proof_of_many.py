@@ -67,10 +67,7 @@ def side_by_side(robots: Sequence[Robot]) -> RobotColumns:
 
 
 def proved(
-    tables: Sequence[Manipulator],
-    robots: Sequence[Robot],
-    files: Sequence[bytes] | None = None,
-    count: int = COUNT,
+    tables: Sequence[Manipulator], robots: Sequence[Robot], files: Sequence[bytes] | None = None, count: int = COUNT
 ) -> list[Proof | ProofError | None]:
     """The proofs of files, those of the robots where no others are given."""
     [(_, columns)] = in_columns(tables)
@@ -190,11 +187,7 @@ def kinds_of_arms(draw: st.DrawFn) -> list[Manipulator]:
 
     return [
         Manipulator(
-            name=f"arm_{k}",
-            convention=convention,
-            rows=tuple(row(n) for n in range(len(kinds))),
-            base=base,
-            tool=tool,
+            name=f"arm_{k}", convention=convention, rows=tuple(row(n) for n in range(len(kinds))), base=base, tool=tool
         )
         for k in range(draw(st.integers(1, 5)))
     ]
@@ -259,12 +252,7 @@ def many(count: int) -> list[Manipulator]:
 
     tool = RigidTransform.from_xyz_rpy((0.1, 0.0, 0.2), (0.3, 0.0, -1.0))
     return [
-        Manipulator(
-            name=f"arm_{k}",
-            convention=Convention.STANDARD,
-            rows=tuple(row(n, k) for n in range(5)),
-            tool=tool,
-        )
+        Manipulator(name=f"arm_{k}", convention=Convention.STANDARD, rows=tuple(row(n, k) for n in range(5)), tool=tool)
         for k in range(count)
     ]
 

@@ -10,15 +10,7 @@ from hypothesis import given, strategies as st
 
 import dh2urdf
 from dh2urdf.errors import OutputError
-from dh2urdf.output.whole_files import (
-    LONGEST_STEM,
-    Stems,
-    put_in_place,
-    safe_stem,
-    staging,
-    write_all,
-    write_files,
-)
+from dh2urdf.output.whole_files import LONGEST_STEM, Stems, put_in_place, safe_stem, staging, write_all, write_files
 from dh2urdf.stages import EmittedFile
 
 if TYPE_CHECKING:

@@ -174,8 +174,7 @@ def test_a_bare_angle_of_a_function_is_in_rad_where_nothing_else_is_said() -> No
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["(" * 10_000, "-" * 999 + "1", "sqrt(" * 200, "1+" * 499 + "1x", "9" * 1001, "((1)+" * 199, "q" * 999],
+    "text", ["(" * 10_000, "-" * 999 + "1", "sqrt(" * 200, "1+" * 499 + "1x", "9" * 1001, "((1)+" * 199, "q" * 999]
 )
 def test_an_expression_cannot_cost_more_than_its_bounds(text: str) -> None:
     """Length and nesting are bounded, so that there is no recursion to exhaust."""

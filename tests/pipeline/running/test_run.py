@@ -21,16 +21,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
-from dh2urdf.stages import (
-    Executor,
-    KeepsKinematics,
-    Loader,
-    NoOptions,
-    Reader,
-    Rejected,
-    Requires,
-    Transform,
-)
+from dh2urdf.stages import Executor, KeepsKinematics, Loader, NoOptions, Reader, Rejected, Requires, Transform
 from dh2urdf.testing import plain_robot
 
 if TYPE_CHECKING:
@@ -307,11 +298,7 @@ class TestLoaders:
         assert {load["verdict"] for load in arm["loaders"].values()} == {"passed"}
         assert {
             name: (entry["passed"], entry["failed"], entry["of"]) for name, entry in report["coverage"].items()
-        } == {
-            "paper": (1, 1, 2),
-            "cardboard": (1, 1, 2),
-            "ink": (2, 0, 2),
-        }
+        } == {"paper": (1, 1, 2), "cardboard": (1, 1, 2), "ink": (2, 0, 2)}
         assert result.exit_status == 1
 
     def test_an_optional_one_fails_nothing(self, lab: Lab) -> None:

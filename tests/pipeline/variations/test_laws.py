@@ -6,15 +6,7 @@ from statistics import NormalDist
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from dh2urdf.variations.laws import (
-    Choices,
-    LogUniform,
-    Normal,
-    Offset,
-    Scale,
-    Uniform,
-    evenly_spaced,
-)
+from dh2urdf.variations.laws import Choices, LogUniform, Normal, Offset, Scale, Uniform, evenly_spaced
 
 NUMBERS = st.floats(-1e6, 1e6)
 UNIT = st.floats(2.0**-53, 1 - 2.0**-53)

@@ -354,9 +354,7 @@ def run_file(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
 
 
 def test_a_run_makes_proves_and_reports_variants(
-    cli: Callable[..., Answer],
-    run_file: Path,
-    tool0_of: Callable[[Path], Callable[..., np.ndarray]],
+    cli: Callable[..., Answer], run_file: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]
 ) -> None:
     """The input, then every variant: proved, its drawn values reported, and the file is the arm of these values.
 

@@ -171,9 +171,7 @@ class TestWhatMoves:
         """A post beside the arm, at a right angle, is met only where the arm is turned that far."""
         arm = Link(name="arm", collisions=(Collision(geometry=Box(size=(2.0, 0.1, 0.1))),))
         found = reasons(
-            [self.links()[0], arm, ball("post")],
-            [hold("arm"), hold("post", y=distance)],
-            loose={"to_arm": "planar"},
+            [self.links()[0], arm, ball("post")], [hold("arm"), hold("post", y=distance)], loose={"to_arm": "planar"}
         )
         assert found.get(("arm", "post")) == reason
 

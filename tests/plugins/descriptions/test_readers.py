@@ -248,8 +248,7 @@ class TestTheChain:
         assert [row.joint for row in arm.rows] == ["knee"]
 
     @pytest.mark.parametrize(
-        ("axis", "code"),
-        [("<axis/>", "axis-without-xyz"), ('<axis xyz="0 0 2"/>', "axes-of-other-length")],
+        ("axis", "code"), [("<axis/>", "axis-without-xyz"), ('<axis xyz="0 0 2"/>', "axes-of-other-length")]
     )
     def test_an_odd_axis_is_noticed(self, tmp_path: Path, axis: str, code: str) -> None:
         """Without numbers, Drake takes it for x, urdfdom for 0, and others refuse it; a long one is a direction."""

@@ -191,8 +191,7 @@ def test_a_shape_of_a_weightless_link_is_not_lost(arm: Robot, emitter: Emitter[A
     """It stands where it would, whatever carries it."""
     shape = replace(arm.links[2].visuals[1], material=None)
     robot = replace(
-        arm,
-        links=tuple(replace(link, visuals=(shape,)) if link.name == "flange" else link for link in arm.links),
+        arm, links=tuple(replace(link, visuals=(shape,)) if link.name == "flange" else link for link in arm.links)
     )
     found = read(emitter, written(emitter, robot, tmp_path))
     spheres = [

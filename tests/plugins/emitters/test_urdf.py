@@ -11,20 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Inertia, JointType, Limits
-from dh2urdf.robot import (
-    Box,
-    Collision,
-    Cylinder,
-    Inertial,
-    Joint,
-    Link,
-    Material,
-    Mesh,
-    Origin,
-    Robot,
-    Sphere,
-    Visual,
-)
+from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
 from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO

@@ -236,11 +236,7 @@ class TestNobody:
 
     @pytest.mark.long
     def test_to_work_or_to_ask(
-        self,
-        functions: ModuleType,
-        tmp_path: Path,
-        monkeypatch: pytest.MonkeyPatch,
-        caplog: pytest.LogCaptureFixture,
+        self, functions: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
     ) -> None:
         """A run says that it waits for workers, and ends where none comes, or where the scheduler goes."""
         monkeypatch.setattr(dask, "_UNTOLD", 0.0)

@@ -103,9 +103,7 @@ def request_for(tmp_path: Path) -> Callable[..., LoadRequest]:
         path = tmp_path / "planar.urdf"
         path.write_text(urdf, "utf-8")
         return LoadRequest(
-            path=path,
-            robot=robot,
-            **{"poses": POSES, "expected": {"tool0": tuple(map(tool_pose, POSES))}, **more},
+            path=path, robot=robot, **{"poses": POSES, "expected": {"tool0": tuple(map(tool_pose, POSES))}, **more}
         )
 
     return make

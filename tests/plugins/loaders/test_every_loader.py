@@ -53,10 +53,7 @@ class Subject(NamedTuple):
 
 @pytest.fixture
 def subject(
-    request: pytest.FixtureRequest,
-    planar: Any,
-    monkeypatch: pytest.MonkeyPatch,
-    require_loaders: Callable[..., None],
+    request: pytest.FixtureRequest, planar: Any, monkeypatch: pytest.MonkeyPatch, require_loaders: Callable[..., None]
 ) -> Iterator[Subject]:
     """A loader that is installed; CoppeliaSim is the one for tests."""
     loader, urdf = CATALOG.get("loader", request.param), planar.urdf

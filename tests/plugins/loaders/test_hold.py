@@ -90,11 +90,7 @@ def pairs_of_shapes(gap: float) -> Robot:
 @pytest.mark.parametrize("loader", MOVING)
 @pytest.mark.parametrize(("gap", "overlaps"), [(0.0, []), (-1e-4, [(f"{n} a", f"{n} b") for n in range(5)])])
 def test_touching_is_not_overlapping(
-    tmp_path: Path,
-    require_loaders: Callable[..., None],
-    loader: str,
-    gap: float,
-    overlaps: Sequence[tuple[str, str]],
+    tmp_path: Path, require_loaders: Callable[..., None], loader: str, gap: float, overlaps: Sequence[tuple[str, str]]
 ) -> None:
     """Shapes that just touch are no finding in any simulator; those that overlap by a tenth of a millimetre are."""
     require_loaders(loader)

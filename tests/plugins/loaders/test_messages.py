@@ -40,11 +40,7 @@ FAULTY = {
         ("<robot ", "<", "XML"),
     ],
     "pybullet": [
-        (
-            LIMIT,
-            "",
-            "cannot load.*'Joint is of type REVOLUTE but it does not specify limits: elbow'.*'joint xml is not",
-        ),
+        (LIMIT, "", "cannot load.*'Joint is of type REVOLUTE but it does not specify limits: elbow'.*'joint xml is not")
     ],
 }
 

@@ -404,8 +404,7 @@ def test_a_reader_that_is_left_closes_its_file(large: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(
-    ("numbers", "said"),
-    [([0.5, 0.25], None), ([0.5, None], "d is empty"), ([0.5, float("nan")], "'nan'")],
+    ("numbers", "said"), [([0.5, 0.25], None), ([0.5, None], "d is empty"), ([0.5, float("nan")], "'nan'")]
 )
 def test_a_dictionary_of_numbers_holds_numbers(read: Callable[..., Items], numbers: Column, said: str | None) -> None:
     """As pandas writes a categorical column: what is missing or no number is not lost."""
@@ -454,8 +453,7 @@ def test_units_that_contradict_or_mean_nothing_are_refused(
 
 
 @pytest.mark.parametrize(
-    ("kind", "value"),
-    [(pa.timestamp("us"), 1), (pa.struct([("x", pa.float64())]), {"x": 0.5}), (pa.binary(), b"0.5")],
+    ("kind", "value"), [(pa.timestamp("us"), 1), (pa.struct([("x", pa.float64())]), {"x": 0.5}), (pa.binary(), b"0.5")]
 )
 def test_columns_of_other_kinds_are_refused_where_they_are_read(
     refusal: Callable[..., str], read_one: Callable[..., Manipulator], kind: Any, value: Any

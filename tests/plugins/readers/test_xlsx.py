@@ -134,8 +134,7 @@ def test_what_stands_above_beside_and_below(sheet: Worksheet) -> None:
 
 
 @pytest.mark.parametrize(
-    "units",
-    [["-", "-", "[mm]", "[°]", "[mm]", "[°]"], [None, None, "(mm)", "(deg)", "(mm)", None]],
+    "units", [["-", "-", "[mm]", "[°]", "[mm]", "[°]"], [None, None, "(mm)", "(deg)", "(mm)", None]]
 )
 def test_a_row_of_units_below_the_header(sheet: Worksheet, units: list[Any]) -> None:
     """Is part of it."""
@@ -202,13 +201,7 @@ def test_cells_merged_across_columns_are_refused(sheet: Worksheet, cells: str) -
 
 UNITS = {
     "": ["General", "0.00", "#,##0.00", "0.00E+00", "0.00;[Red]-0.00", "0_);(0)", "# ?/?", "@", "#'##0.00"],
-    "mm": [
-        '0.00" mm"',
-        "0.0\\ \\m\\m",
-        '[>100]0" mm";0" mm"',
-        '+0.0" mm";-0.0" mm"',
-        '#\'##0.00" mm"',
-    ],
+    "mm": ['0.00" mm"', "0.0\\ \\m\\m", '[>100]0" mm";0" mm"', '+0.0" mm";-0.0" mm"', '#\'##0.00" mm"'],
     "°": ["0.0°", '0.0"°"'],
     "m": ['0.0" m";-0.0" m";0'],
 }

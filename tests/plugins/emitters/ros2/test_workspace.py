@@ -113,8 +113,7 @@ TEXTS = ["Ada Lovelace", "Ünal & <Söhne>", " ", "\t\n"]
 
 @needs_ament
 @pytest.mark.parametrize(
-    ("option", "text"),
-    [("email", text) for text in EMAILS] + [("license", text) for text in TEXTS],
+    ("option", "text"), [("email", text) for text in EMAILS] + [("license", text) for text in TEXTS]
 )
 def test_what_catkin_pkg_refuses_is_refused(option: str, text: str, tmp_path: Path) -> None:
     """The message names the option; what catkin_pkg accepts is accepted."""

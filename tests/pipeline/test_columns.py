@@ -4,14 +4,12 @@ import pickle
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from hypothesis import given, strategies as st
 
-from dh2urdf.columns import RobotColumns, columns_of, in_columns
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
-from dh2urdf.robot import Collision, Inertial, Joint, Link, Origin, Robot, Sphere
+from dh2urdf.columns import columns_of, in_columns
+from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark
 
 if TYPE_CHECKING:
     from random import Random
@@ -101,68 +99,3 @@ class TestManipulatorsInColumns:
         taken = columns.take(tuple(places))  # numpy takes a tuple for the indices of one entry
         assert [taken.pick(k) for k in range(5)] == [many[place] for place in places]
         assert bool(columns_of(taken)) is (len({numbers[place] for place in places}) > 1)
-
-    def test_differ_in_numbers_only(self) -> None:
-        """Names, types, signs, what is said at all, frames, shapes and notices keep tables apart."""
-        different = [
-            table(row()),
-            table(row(joint="other")),
-            table(row(link="other")),
-            table(row(type=JointType.PRISMATIC)),
-            table(row(sign=-1)),
-            table(row(mass=1.0)),
-            table(row(com=(0.0, 0.0, 0.0))),
-            table(row(inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))),
-            table(row(limits=Limits(lower=0.0, upper=1.0))),
-            table(row(limits=Limits(velocity=1.0))),
-            table(row(), row(2)),
-            table(convention=Convention.MODIFIED),
-            table(base=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))),
-            table(tool=RigidTransform.from_xyz_rpy((1.0, 0.0, 0.0))),
-            table(geometry=LinkGeometry(radius=0.1)),
-            table(base_geometry=LinkGeometry(radius=0.1)),
-            table(density=1.0),
-            table(base_mass=1.0),
-            table(payload=Payload(mass=1.0)),
-            table(payload=Payload(mass=2.0)),
-            table(notices=(Problem(message="something to say", severity="notice"),)),
-        ]
-        assert [places for places, _ in in_columns(different)] == [[k] for k in range(len(different))]
-
-
-class TestRobotsInColumns:
-    shapes = tuple(Collision(geometry=Sphere(radius=radius)) for radius in (0.1, 0.2, 0.3))
-
-    def robots(self, **more: Any) -> RobotColumns:
-        robot = Robot(
-            name="a",
-            links=(
-                Link(name="base"),
-                Link(name="link_1", inertial=Inertial(mass=np.array([1.0, 2.0])), collisions=self.shapes),  # type: ignore[arg-type]
-            ),
-            joints=(
-                Joint(
-                    name="joint_1",
-                    type=JointType.FIXED,
-                    parent="base",
-                    child="link_1",
-                    origin=Origin(xyz=(0.0, np.array([0.5, 0.25]), 1.0)),  # type: ignore[arg-type]
-                ),
-            ),
-        )
-        known: dict[str, Any] = {"names": ("a", "b"), "comments": ("one", "two"), "sure": np.array([True, True])}
-        return RobotColumns(robot=robot, **(known | more))
-
-    def test_are_picked_with_their_own_numbers(self) -> None:
-        """A picked robot is one as any other, of Python's own floats."""
-        picked = self.robots().pick(1)
-        assert (picked.name, picked.comment) == ("b", "two")
-        assert picked.joints[0].origin == Origin(xyz=(0.0, 0.25, 1.0))
-        assert picked.links[1] == Link(name="link_1", inertial=Inertial(mass=2.0), collisions=self.shapes)
-        assert {type(number) for number in picked.joints[0].origin.xyz} == {float}
-
-    def test_are_picked_without_what_they_lack(self) -> None:
-        """A collision shape is there for those that have it."""
-        robots = self.robots(present={(1, 1): np.array([False, True])})
-        assert robots.pick(0).links[1].collisions == (self.shapes[0], self.shapes[2])
-        assert robots.pick(1).links[1].collisions == self.shapes

@@ -8,10 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.rotations import (
-    DividedError,
-    agreed,
     atan2,
-    for_some,
     greater_of,
     hypot,
     is_column,
@@ -62,17 +59,3 @@ def test_a_scalar_of_numpy_is_no_column() -> None:
     assert not is_column(1)
     assert is_column(np.array([1.0]))
     assert hypot(np.float64(3.0), 4.0) == 5.0
-
-
-def test_members_agree_or_are_divided() -> None:
-    """A condition that holds for some only divides them; what holds for some is asked for by name."""
-    assert agreed(condition=True)
-    assert not agreed(condition=False)
-    assert agreed(np.array([True, True])) is True
-    assert agreed(np.array([False, False])) is False
-    with pytest.raises(DividedError) as divided:
-        agreed(np.array([True, False]))
-    assert divided.value.condition.tolist() == [True, False]
-    assert for_some(np.array([True, False])) is True
-    assert for_some(np.array([False, False])) is False
-    assert for_some(condition=True)

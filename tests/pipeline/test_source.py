@@ -17,20 +17,6 @@ FULL = Problem(
 )
 
 
-class TestMark:
-    @pytest.mark.parametrize(
-        ("mark", "text"),
-        [
-            (Mark(file="a.csv", line=3, column=7), "a.csv:3:7"),
-            (Mark(file="a.csv", line=3), "a.csv:3"),
-            (Mark(file="command line"), "command line"),
-        ],
-    )
-    def test_a_mark_is_written_as_editors_read_it(self, mark: Mark, text: str) -> None:
-        """A mark is file:line:column, as far as it is known."""
-        assert str(mark) == text
-
-
 class TestProblem:
     def test_a_full_problem_reads_as_prose(self) -> None:
         """A problem says where, about what, what is wrong, what is accepted and what to do, in this order."""

@@ -1,4 +1,4 @@
-"""Functions that `test_isolation.py` and `test_loads.py` run in child processes, in a module that the child can import."""
+"""Functions that the tests of this folder run in child processes, in a module that the child can import."""
 
 # ruff: noqa: T201 - what is printed in a child is what these functions are about
 

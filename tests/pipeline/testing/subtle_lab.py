@@ -46,9 +46,6 @@ def read_and_reject(path: Path, options: Any) -> Iterator[Any]:
         yield Rejected(name="bent", problems=tuple(by_hash()))
 
 
-# --- Transforms
-
-
 # --- Emitters
 
 

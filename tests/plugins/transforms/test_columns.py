@@ -151,7 +151,7 @@ class TestWhatIsMadeSideBySide:
                 assert robot.comment == expected.comment
 
     def test_reference_robots_too(self, reference_robots: Sequence[Any]) -> None:
-        """Published tables beside scaled ones give their files."""
+        """Published tables beside scaled ones give their robots and files."""
         how = AlphaSwapOptions()
         for reference in reference_robots:
             nominal = reference.manipulator
@@ -163,8 +163,8 @@ class TestWhatIsMadeSideBySide:
                 )
                 for k in range(10)
             ]
-            for place, (_, content) in made(scaled, how).items():
-                assert content == alone(scaled[place], how)[1]
+            for place, own in made(scaled, how).items():
+                assert own == alone(scaled[place], how)
 
 
 class TestWhatIsSure:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -15,45 +14,16 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.conversion.one_manipulator import Call, Recipe, read_items, write_robot
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.testing.oracle import table_pose
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 FRAMES = ("aligned", "dh")
 CATALOG = load()
-
-
-def homogeneous(rotation: Any, translation: Any) -> np.ndarray:
-    T = np.eye(4)
-    T[:3, :3] = np.reshape(rotation, (3, 3))
-    T[:3, 3] = translation
-    return T
-
-
-def along_and_about_z(length: float, angle: float) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    return homogeneous([c, -s, 0, s, c, 0, 0, 0, 1], [0, 0, length])
-
-
-def along_and_about_x(length: float, angle: float) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    return homogeneous([1, 0, 0, 0, c, -s, 0, s, c], [length, 0, 0])
-
-
-def dh_product(manipulator: Manipulator, q: Sequence[float]) -> np.ndarray:
-    """base · A_1 · … · A_N · tool, as the conventions define A."""
-    T = homogeneous(manipulator.base.rotation, manipulator.base.translation)
-    values = iter(q)
-    for row in manipulator.rows:
-        variable = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
-        slides = row.type is JointType.PRISMATIC
-        z = along_and_about_z(row.d + variable * slides, row.theta + variable * (not slides))
-        x = along_and_about_x(row.a, row.alpha)
-        T = T @ (z @ x if manipulator.convention is Convention.STANDARD else x @ z)
-    return T @ homogeneous(manipulator.tool.rotation, manipulator.tool.translation)
 
 
 @pytest.mark.long
@@ -82,7 +52,7 @@ def test_the_file_of_a_table_file_is_its_arm_in_both_frames(
         for frames in FRAMES:
             pose = tool0_of(convert(folder / f"arm.{form}", frames))
             for q in vectors:
-                np.testing.assert_allclose(pose(q), dh_product(manipulator, q), rtol=0, atol=1e-9)
+                np.testing.assert_allclose(pose(q), table_pose(manipulator, q), rtol=0, atol=1e-9)
 
 
 def convert(table: Path, frames: str) -> Path:

@@ -22,9 +22,10 @@ from pyarrow import parquet as pq
 from dh2urdf import errors
 from dh2urdf.documents import composer as yaml_composer, text_files as textfiles
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
+from dh2urdf.manipulator import Convention, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.comments import declared, top
 from dh2urdf_plugins.readers.header import units as table_units, words as header_words
@@ -169,33 +170,6 @@ def table_of(header: str, row: str, statements: str = "# convention: standard\n"
     return f"{statements}{header}\n{row}\n"
 
 
-def tool0(arm: Manipulator, q: list[float]) -> Any:
-    """T(base_link → tool0) as a product of plain matrices, which shares nothing with the project."""
-    values = iter(q)
-
-    def screw(axis: int, angle: float, length: float) -> np.ndarray:
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        T = np.eye(4)
-        T[i, i] = T[j, j] = math.cos(angle)
-        T[j, i], T[i, j] = math.sin(angle), -math.sin(angle)
-        T[axis, 3] = length
-        return T
-
-    def row_transform(row: DHRow) -> Any:
-        value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
-        slides = row.type is JointType.PRISMATIC
-        along_z = screw(2, row.theta + (0 if slides else value), row.d + (value if slides else 0))
-        along_x = screw(0, row.alpha, row.a)
-        return along_z @ along_x if arm.convention is Convention.STANDARD else along_x @ along_z
-
-    def rigid(transform: Any) -> np.ndarray:
-        T = np.eye(4)
-        T[:3, :3], T[:3, 3] = np.reshape(transform.rotation, (3, 3)), transform.translation
-        return T
-
-    return np.linalg.multi_dot([rigid(arm.base), *map(row_transform, arm.rows), rigid(arm.tool)])
-
-
 # --- Examples ---------------------------------------------------------------------------------------------------------
 
 
@@ -222,7 +196,7 @@ def test_every_example_comes_out_as_it_says(example: Example, read: Callable[...
         for q in ([0.0, 0.0, 0.0, 0.0], [0.3, -1.1, 0.2, 2.5], [-2.0, 0.7, -0.15, -0.4]):
             moving = len(twin.moving_rows)
             assert len(arm.moving_rows) == moving
-            np.testing.assert_allclose(tool0(arm, q[:moving]), tool0(twin, q[:moving]), rtol=0, atol=1e-14)
+            np.testing.assert_allclose(table_pose(arm, q[:moving]), table_pose(twin, q[:moving]), rtol=0, atol=1e-14)
 
 
 QUARTER = math.pi / 2

@@ -74,6 +74,8 @@ PROOFS: dict[str, Proof] = {
     "too-many-joints": Proof(END, many_joints() + END, '<joint name="j_further_119"'),
 }
 """By rule of URDF, the substitution that breaks it."""
+UNPROVED = {"root-without-inertial", "named-colour", "xacro-fails", "free-root", "empty-root", "usd-name"}
+"""Rules that the sound file has, or that no URDF can break."""
 MODEL_PROOFS = {
     rule.name: Proof(**rule.proof) for name in ("sdf", "mjcf") for rule in model_rules(name).values() if rule.proof
 }

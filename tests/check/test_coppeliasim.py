@@ -134,11 +134,6 @@ def test_the_real_one_does_what_is_kept(tmp_path: Path, *, renew: bool) -> None:
     assert kept == read_record()
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return write_all(tmp_path_factory.mktemp("coppeliasim"))
-
-
 def test_the_table_says_what_it_did(files: dict[str, Path]) -> None:
     """It refuses, crashes or imports as the table has it; and where objects are others, the table says something."""
     record, wrong = read_record(), []

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from consumers import Behaviour, behaviours, require
-from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, PROOFS, SOUND, faulty, line_of, write_all
+from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, PROOFS, SOUND, UNPROVED, faulty, line_of, write_all
 from foretelling import descriptions, findings_of
 
 from dh2urdf.stages import Expansion
@@ -25,16 +25,9 @@ if TYPE_CHECKING:
 
 OF_ANY_FILE = {"root-without-inertial", "fixed-link", "named-colour", "free-root", "empty-root", "usd-name"}
 """Notes of every file that a person would call right."""
-WITHOUT_A_FAULT = {"root-without-inertial", "named-colour", "xacro-fails", "free-root", "empty-root", "usd-name"}
-"""Rules that the sound file has, or that no URDF can break."""
 IN_THE_TEXT = {"not-xml", "not-strict-xml", "nul-byte", "wrong-encoding", "bad-character-reference", "carriage-returns"}
 IN_THE_TEXT |= {"long-line", "unknown-attribute"}
 """Rules whose findings are at a letter, and not at an element."""
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return write_all(tmp_path_factory.mktemp("lint"))
 
 
 def by_rule(path: Path) -> dict[str, Finding]:
@@ -150,7 +143,7 @@ def test_the_table_says_what_happens(measured: tuple[str, dict[str, Behaviour]],
 def test_an_empty_cell_was_seen(measured: tuple[str, dict[str, Behaviour]]) -> None:
     """Where a rule does not name a reader, the reader loaded the faulty file, or another fault in it is to blame."""
     consumer, found = measured
-    untried = set(rules()) - set(found) - WITHOUT_A_FAULT
+    untried = set(rules()) - set(found) - UNPROVED
     refused = [
         rule
         for rule, proof in PROOFS.items()

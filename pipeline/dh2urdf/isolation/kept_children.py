@@ -89,7 +89,8 @@ class KeptChildren:
             elif not child.is_alive():
                 child.end()
                 continue
-            self._busy.add(child)
+            with self._changing:
+                self._busy.add(child)
             return child
 
 

@@ -32,7 +32,7 @@ CASES: dict[str, dict[str, Any]] = {
     f"{package} {code}": case for package, cases in TABLE["cases"].items() for code, case in cases.items()
 }
 ROOT = Path(__file__).parents[1]
-PACKAGES = {"host": "pipeline/dh2urdf", "plugins": "plugins/dh2urdf_plugins", "studio": "plugins/dh2urdf_studio"}
+PACKAGES = {"host": "pipeline/dh2urdf"} | {name: f"plugins/dh2urdf_{name}" for name in ("check", "plugins", "studio")}
 
 
 def write_files(case: dict[str, Any], folder: Path) -> None:

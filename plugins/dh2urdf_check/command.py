@@ -29,7 +29,7 @@ from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError
 from dh2urdf.output.whole_files import write_whole
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Mark, Problem, did_you_mean, printable, shown
+from dh2urdf.source import Mark, Messages, did_you_mean, printable
 from dh2urdf.stages import Expansion
 from dh2urdf_check.files import inspect_files, repaired
 
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
     from dh2urdf.stages import Finding
+
+say = Messages(__file__)
 
 EXIT_STATUS = (
     "Exit status: 0 no errors, and the arm of the table; 1 errors, or another arm; 2 the file or the table cannot be "
@@ -118,7 +120,7 @@ def command(  # noqa: PLR0917 - click hands everything over by name
     if not is_one:
         _refuse_for_several(files, table)
     elif DASH == str(files[0]) == str(table):
-        raise ConfigError(Problem(message="FILE and TABLE cannot both be standard input", mark=COMMAND_LINE))
+        raise ConfigError(say("stdin-twice", COMMAND_LINE))
     else:
         files = [given_description(files[0], format_name, installed)]
     manipulator = _manipulator(installed, table, flags) if table else None
@@ -154,7 +156,7 @@ def _asked(simulators: Sequence[str], *, is_silent: bool) -> Sequence[str] | Non
     from dh2urdf_check.ask.findings import why_unasked
 
     if why := why_unasked():
-        click.echo(f"notice: no simulator is given the file: {why}", err=True)
+        click.echo(f"notice: {say('nobody-asked', reason=why).message}", err=True)
         return None
     return simulators
 
@@ -162,8 +164,7 @@ def _asked(simulators: Sequence[str], *, is_silent: bool) -> Sequence[str] | Non
 def _fixed(catalog: Catalog, files: Sequence[Path], format_name: str | None, out: Path | None) -> Path:
     """Writes a fixed file, and says what was fixed."""
     if out is None or len(files) != 1 or str(files[0]) == DASH or is_folder(files[0]):
-        message = "--fix takes one FILE, and writes to the file that -o names"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--fix -o FIXED FILE"))
+        raise ConfigError(say("fix-of-one-file", COMMAND_LINE))
     repair = repaired(catalog, files[0], format_name)
     write_whole(out, repair.content)
     for change in repair.changes:
@@ -179,32 +180,26 @@ def _refuse_without_table(options: Mapping[str, str | None]) -> None:
     parameters = context.command.get_params(context)
     given = [max(each.opts, key=len) for each in parameters if each.name and options.get(each.name) is not None]
     if given:
-        message = f"{' and '.join(given)} {'is' if len(given) == 1 else 'are'} for a table, and no --against names one"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted="--against TABLE with it, or neither"))
+        verb = "is" if len(given) == 1 else "are"
+        raise ConfigError(say("options-without-table", COMMAND_LINE, options=" and ".join(given), verb=verb))
 
 
 def _refuse_for_several(files: Sequence[Path], table: Path | None) -> None:
-    message, accepted = "", "one FILE"
     if not files:
-        message, accepted = "no FILE is given", "a robot description, or a folder"
-    elif table is not None:
-        message = "--against compares one description with a table, and there are several"
-    elif DASH in map(str, files):
-        message = "standard input is one FILE alone"
-    if message:
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, accepted=accepted))
+        raise ConfigError(say("no-file", COMMAND_LINE))
+    if table is not None:
+        raise ConfigError(say("table-for-several", COMMAND_LINE))
+    if DASH in map(str, files):
+        raise ConfigError(say("stdin-among-several", COMMAND_LINE))
 
 
 def _chosen(simulators: tuple[str, ...], known: Mapping[str, str]) -> dict[str, str]:
     """The consumers that are asked for, in their own order; all where none is named."""
-    problems = []
-    for name in simulators:
-        if name not in known:
-            message, near = f"no simulator {shown(name)} is known", did_you_mean(name, known)
-            problem = Problem(message=message, mark=COMMAND_LINE, field="--for", found=name, suggestion=near)
-            problems.append(replace(problem, accepted=", ".join(known)))
-    if problems:
-        raise ConfigError(problems)
+    if unknown := {name: did_you_mean(name, known) for name in simulators if name not in known}:
+        raise ConfigError(
+            say("simulator-unknown", COMMAND_LINE, field="--for", found=name, suggestion=near, known=list(known))
+            for name, near in unknown.items()
+        )
     return {name: title for name, title in known.items() if not simulators or name in simulators}
 
 

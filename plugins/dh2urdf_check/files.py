@@ -16,7 +16,7 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.documents.text_files import check_file, is_folder
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.plugin_system.calls import Call, a_record, depending_on, items_of
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages, Problem
 from dh2urdf.stages import PACKAGE_FILE, Checks, Expansion, Finding, Repair
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
     from dh2urdf_check.ask.asking import Answer
     from dh2urdf_check.ask.findings import Seen
+
+say = Messages(__file__)
 
 _CHOICE = "`--as NAME`"
 _BEGINNING = 2**16
@@ -103,8 +105,7 @@ def inspect_files(
         of_file = seen_of.get(path)
         findings += of_file.beside(inspection.findings) if of_file else inspection.findings
     if not is_used:
-        message = "none of these files has macros: they take no arguments, and only a URDF takes package paths"
-        raise ConfigError(Problem(message=message, accepted="NAME:=VALUE and package paths with a xacro"))
+        raise ConfigError(say("files-without-macros"))
     different = {(finding.rule, finding.mark, finding.message): finding for finding in reversed(findings)}
     return Inspections(
         files=tuple(emitters),
@@ -126,9 +127,7 @@ def repaired(catalog: Catalog, file: Path, format_name: str | None) -> Repair:
     emitter = emitter_of(catalog, file, format_name, _CHOICE)
     checks = emitter.can(Checks)
     if checks is None or checks.fix is None:
-        message = f"files of the format {emitter.name!r} are not fixed"
-        suggestion = "fix them at the places that the findings name"
-        raise ConfigError(Problem(message=message, mark=Mark(file=str(file)), accepted="a URDF", suggestion=suggestion))
+        raise ConfigError(say("format-not-fixed", Mark(file=str(file)), emitter=emitter.name))
     with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "fix"):
         return a_record(checks.fix(file), Repair)
 
@@ -157,9 +156,7 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
             with depending_on(Call(stage=emitter, options=None, plugin=catalog.plugin_of(emitter)), "descriptions"):
                 found |= dict.fromkeys(items_of(checks.descriptions(roots), "paths"), emitter.name)
         if not found and not unreadable:
-            message = f"no robot description is in this folder ({len(paths)} files looked at)"
-            accepted = "files whose outermost element is that of a format that `dh2urdf check` knows"
-            raise InputError(Problem(message=message, mark=Mark(file=str(folder)), accepted=accepted))
+            raise InputError(say("folder-without-description", Mark(file=str(folder)), count=len(paths)))
         looked_at += len(paths)
         packages.extend(path.parent for path in paths if path.name == PACKAGE_FILE)
         files |= dict.fromkeys(sorted(found.items()))
@@ -170,8 +167,7 @@ def _files(folder: Path, unreadable: list[Problem]) -> Iterator[Path]:
     """The files in a folder; hidden folders are not entered."""
 
     def refused(error: OSError) -> None:
-        message = f"this folder cannot be read: {error.strerror}"
-        unreadable.append(Problem(message=message, mark=Mark(file=str(error.filename))))
+        unreadable.append(say("folder-unreadable", Mark(file=str(error.filename)), reason=error.strerror))
 
     for inner, folders, names in os.walk(folder, onerror=refused):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
@@ -184,7 +180,7 @@ def _outermost(path: Path) -> str:
         with path.open("rb") as file:
             beginning = file.read(_BEGINNING)
     except OSError as error:
-        raise InputError(Problem(message=f"it cannot be read: {error.strerror}", mark=Mark(file=str(path)))) from None
+        raise InputError(say("file-unreadable", Mark(file=str(path)), reason=error.strerror)) from None
     parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True, load_dtd=False)
     with contextlib.suppress(etree.XMLSyntaxError):
         parser.feed(beginning.lstrip())

@@ -12,7 +12,7 @@ from dh2urdf.documents import read_bytes
 from dh2urdf.errors import InputError
 from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
-from dh2urdf.source import Mark, Problem, free_name, shown
+from dh2urdf.source import Mark, Messages, Problem, free_name
 from dh2urdf.stages import Repair
 from dh2urdf_check.numbers import numbers_of
 from dh2urdf_plugins.formats.xml_files import LARGEST
@@ -20,6 +20,8 @@ from dh2urdf_plugins.formats.xml_files import LARGEST
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+say = Messages(__file__)
 
 UNIT = 1e-5
 """How far the length of an axis may be from 1: what rounding to six digits makes of it."""
@@ -41,21 +43,19 @@ _NAMING = {
 
 
 class _Tag(NamedTuple):
-    """A start tag: its name, its values, where each value is in the bytes of the file, and its line and column."""
+    """A start tag: its name, its values, where each value is in the bytes of the file, and its place."""
 
     name: str
     above: tuple[str, ...]
     values: dict[str, str]
     spans: dict[str, tuple[int, int]]
-    line: int
-    column: int
+    mark: Mark
 
 
 class _Edit(NamedTuple):
     span: tuple[int, int]
     text: bytes
-    tag: _Tag
-    message: str
+    change: Problem
 
 
 def fixed(path: Path) -> Repair:
@@ -67,13 +67,11 @@ def fixed(path: Path) -> Repair:
     for edit in sorted(edits, key=lambda edit: edit.span):
         pieces += [content[end : edit.span[0]], edit.text]
         end = edit.span[1]
-        mark = Mark(file=str(path), line=edit.tag.line, column=edit.tag.column)
-        told.setdefault(edit.message, Problem(message=edit.message, severity="notice", mark=mark))
+        told.setdefault(edit.change.message, edit.change)
     text, changes = b"".join([*pieces, content[end:]]), list(told.values())
     if not text.removeprefix(_BOM).startswith(b"<?xml"):
         text = _DECLARATION + text.removeprefix(_BOM)
-        message = "the file begins with an XML declaration"
-        changes.insert(0, Problem(message=message, severity="notice", mark=Mark(file=str(path), line=1, column=1)))
+        changes.insert(0, say("declaration-fixed", Mark(file=str(path), line=1, column=1)))
     return Repair(content=text, changes=tuple(changes))
 
 
@@ -90,8 +88,8 @@ def _tags(content: bytes, path: Path) -> list[_Tag]:
             spans[match[1].decode()] = (match.start(2) + 1, match.end(2) - 1)
             place = match.end()
         if set(spans) == set(values):  # Otherwise the text is not as it is read, and stays.
-            tag = _Tag(name, tuple(above), values, spans, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
-            tags.append(tag)
+            mark = Mark(file=str(path), line=parser.CurrentLineNumber, column=parser.CurrentColumnNumber + 1)
+            tags.append(_Tag(name, tuple(above), values, spans, mark))
         above.append(name)
 
     parser.StartElementHandler, parser.EndElementHandler = started, lambda _name: above.pop()
@@ -99,8 +97,7 @@ def _tags(content: bytes, path: Path) -> list[_Tag]:
         content.decode("utf-8")
         parser.Parse(content, True)
     except (expat.ExpatError, ValueError, LookupError) as error:
-        message = f"only XML in UTF-8 can be fixed: {error}"
-        raise InputError(Problem(message=message, mark=Mark(file=str(path)))) from None
+        raise InputError(say("fix-not-utf-8", Mark(file=str(path)), reason=error)) from None
     return tags
 
 
@@ -116,19 +113,19 @@ def _numbers(tags: list[_Tag]) -> Iterator[_Edit]:
                 length = norm((axis[0], axis[1], axis[2]))
                 if length > UNIT and abs(length - 1.0) > UNIT:
                     text = " ".join(format_numbers([value / length for value in axis]))
-                    message = f"the axis {shown(tag.values['xyz'])} is {shown(text)}, of length 1"
-                    yield _Edit(tag.spans["xyz"], text.encode(), tag, message)
+                    change = say("axis-fixed", tag.mark, found=tag.values["xyz"], axis=text)
+                    yield _Edit(tag.spans["xyz"], text.encode(), change)
             case ("robot", "joint", "limit") if number.get("lower", -math.inf) > number.get("upper", math.inf):
-                message = f"lower {number['lower']:g} and upper {number['upper']:g} are exchanged"
+                change = say("limits-fixed", tag.mark, lower=number["lower"], upper=number["upper"])
                 for name, other in (("lower", "upper"), ("upper", "lower")):
-                    yield _Edit(tag.spans[name], tag.values[other].encode(), tag, message)
+                    yield _Edit(tag.spans[name], tag.values[other].encode(), change)
             case ("robot", "link", "inertial", "inertia") if mass and mass > 0.0:
                 if all(number.get(name) == 0.0 for name in INERTIA):
                     # I = 2/5·m·r², with m = 4/3·π·r³·ρ.
                     moment = 0.4 * mass * (3.0 * mass / (4.0 * math.pi * DENSITY)) ** (2.0 / 3.0)
-                    message = f"the inertia 0 of {mass:g} kg is {moment:.6g} kg·m², that of an aluminium ball"
+                    change = say("inertia-fixed", tag.mark, mass=mass, moment=moment)
                     for name in ("ixx", "iyy", "izz"):
-                        yield _Edit(tag.spans[name], f"{moment:.9g}".encode(), tag, message)
+                        yield _Edit(tag.spans[name], f"{moment:.9g}".encode(), change)
 
 
 def _names(tags: list[_Tag]) -> Iterator[_Edit]:
@@ -143,5 +140,5 @@ def _names(tags: list[_Tag]) -> Iterator[_Edit]:
         for attribute in _NAMING.get(tag.name, ()):
             old = tag.values.get(attribute, "")
             if old in renamed:
-                message = f"the name {shown(old)} is {shown(renamed[old])}"
-                yield _Edit(tag.spans[attribute], renamed[old].encode(), tag, message)
+                change = say("name-fixed", tag.mark, found=old, name=renamed[old])
+                yield _Edit(tag.spans[attribute], renamed[old].encode(), change)

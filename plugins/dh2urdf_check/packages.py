@@ -15,7 +15,7 @@ from dh2urdf.documents import is_file, is_there, load_yaml, read_bytes, xml_root
 from dh2urdf.errors import Dh2UrdfError, InputError
 from dh2urdf.meshes import PACKAGE, own_folder, packages_in, with_its_own
 from dh2urdf.robot import Robot
-from dh2urdf.source import Mark, Problem, shown
+from dh2urdf.source import Mark, Messages, shown
 from dh2urdf.stages import PACKAGE_FILE, Expansion, Finding, Inspection
 from dh2urdf_check.files import urdfs, xacros
 from dh2urdf_check.finders import Document, text_of
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.documents import Node
     from dh2urdf.robot import Joint
+
+say = Messages(__file__)
 
 CONSUMERS = {
     "colcon": "colcon and rosdep",
@@ -136,8 +138,7 @@ def inspect_package(path: Path, expansion: Expansion) -> Inspection:
     """What there is to report of the package that a file is in, which may use those of an expansion."""
     folder = own_folder(path)
     if not is_file(folder / PACKAGE_FILE):
-        message, accepted = "this file is in no package of ROS", f"a folder with {PACKAGE_FILE}, or a file below it"
-        raise InputError(Problem(message=message, mark=Mark(file=str(path)), accepted=accepted))
+        raise InputError(say("file-of-no-package", Mark(file=str(path))))
     place = path if path.name == PACKAGE_FILE else folder / PACKAGE_FILE
     content = read_bytes(place, InputError, limit=LONGEST)
     line, fault, found = 1, "", list[Finding]()

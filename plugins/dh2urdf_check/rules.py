@@ -15,7 +15,7 @@ import yaml
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Problem, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from dh2urdf.source import Mark
     from dh2urdf.stages import Severity
+
+say = Messages(__file__)
 
 _TABLES = Path(__file__).with_name("rules")
 CONSUMERS = {
@@ -190,8 +192,7 @@ def explanation(name: str) -> str:
     """What a rule means, what each consumer does with a file that breaks it, and what to do."""
     if name not in tables():
         near = did_you_mean(name, get_close_matches(name, tables(), n=1))
-        message = f"no rule {shown(name)} is known"
-        raise ConfigError(Problem(message=message, mark=COMMAND_LINE, field="--explain", suggestion=near))
+        raise ConfigError(say("rule-unknown", COMMAND_LINE, field="--explain", found=name, suggestion=near))
     _, entry = tables()[name]
     together: dict[str, list[str]] = {}
     for consumer, (outcome, does, *_) in entry.get("consumers", {}).items():

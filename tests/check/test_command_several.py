@@ -94,19 +94,6 @@ def test_what_cannot_be_looked_at_is_a_finding(cli: Cli, folder: Path) -> None:
     assert told["files"] == [f"robots/{name}" for name in FILES]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["empty"], "no robot description is in this folder (1 files looked at)"),
-        (["robots", "--against", "arm.csv"], "--against compares one description"),
-    ],
-)
-def test_what_cannot_be_done_with_several_ends_with_2(cli: Cli, folder: Path, words: list[str], said: str) -> None:
-    (folder.parent / "empty").mkdir()
-    (folder.parent / "empty" / "README").touch()
-    assert said in " ".join(cli("check", "--no-ask", *words, status=2).stderr.split())
-
-
 def test_arguments_reach_the_xacros_of_a_folder(cli: Cli, folder: Path) -> None:
     """And no other file is disturbed by them."""
     (folder / "a" / "arm.urdf.xacro").write_text(

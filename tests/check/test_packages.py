@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 import yaml
 
-from dh2urdf.errors import InputError
 from dh2urdf.stages import Expansion
 from dh2urdf_check.packages import inspect_package, package_rules
 from dh2urdf_check.rules import Outcome
@@ -160,13 +159,6 @@ def test_without_the_description_joints_are_not_compared(source: Path) -> None:
     broken(source, next(fault for fault in FAULTS if fault.rule == "package-controller-joint"))
     shutil.rmtree(source / DESCRIPTION)
     assert findings(source, MOVEIT) == ()
-
-
-def test_a_file_of_no_package_is_refused(tmp_path: Path) -> None:
-    """The error says what is accepted."""
-    (tmp_path / "robot.urdf").write_text("<robot name='r'><link name='l'/></robot>")
-    with pytest.raises(InputError, match=r"in no package of ROS(.|\n)*package\.xml"):
-        inspect_package(tmp_path / "robot.urdf", Expansion())
 
 
 @pytest.mark.long

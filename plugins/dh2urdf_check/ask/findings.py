@@ -16,7 +16,7 @@ from dh2urdf.documents.text_files import is_folder
 from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError
 from dh2urdf.isolation.fence import TRUST, missing_wall
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_check.ask.asking import Answer, Asked, answering, programs
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Emitter, Inspection, Severity
+
+say = Messages(__file__)
 
 JOINT, LINKS = "joint", ("link", "body")
 PARTS = (JOINT, *LINKS)
@@ -200,7 +202,7 @@ def with_what_is_seen(
 ) -> Inspection:
     """An inspection with what the programs that are installed were seen to do with the file."""
     if why := why_unasked():
-        raise ConfigError(Problem(message=f"no simulator is given the file: {why}", mark=Mark(file=str(path))))
+        raise ConfigError(say("nobody-asked", Mark(file=str(path)), reason=why))
     with asking(catalog, [(path, emitter)], expansion, ()) as at_work:
         seen = next(at_work, None)
     return replace(found, findings=tuple(seen.beside(found.findings))) if seen else found

@@ -125,32 +125,6 @@ def test_an_upgrade_between_a_killed_run_and_its_resumption_makes_everything_aga
 # --- No permission ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.long
-@pytest_linux
-def test_a_folder_without_permission_is_told(folder: Path) -> None:
-    """Of inputs: a notice where others were found, an error where none was; of the output: an error that names it."""
-    for name in ("open", "closed"):
-        (folder / "tables" / name).mkdir(parents=True)
-        (folder / "tables" / name / f"{name}.csv").write_text(TABLE)
-    (folder / "some.yaml").write_text("inputs: tables/*/*.csv\noutput: {directory: out}\n")
-    (folder / "none.yaml").write_text("inputs: tables/c*/*.csv\n")
-    (folder / "locked").mkdir()
-    try:
-        for name in ("tables/closed", "locked"):
-            (folder / name).chmod(0)
-        some, none = ordinary(folder, "run", "some.yaml"), ordinary(folder, "run", "none.yaml")
-        locked = ordinary(folder, "run", "run.yaml", "-o", "locked/out")
-    finally:
-        for name in ("tables/closed", "locked"):
-            (folder / name).chmod(0o755)
-    assert some.returncode == 0, some.stderr
-    assert (none.returncode, locked.returncode) == (2, 2)
-    for answer, place in ((some, "'tables/closed'"), (none, "'tables/closed'"), (locked, "'locked/out'")):
-        assert place in answer.stderr
-        assert "Permission denied" in answer.stderr
-        assert "Traceback" not in answer.stderr
-
-
 @pytest_linux
 def test_a_file_of_the_last_run_that_cannot_be_removed_is_told(cli: Cli, folder: Path) -> None:
     """The run ends before its manifest is in place, so that it goes on later, and `--keep` does without."""

@@ -78,9 +78,11 @@ def test_a_file_behind_a_link_that_leads_in_a_circle(cli: Cli, tmp_path: Path, c
 @pytest_linux
 def test_folders_without_permission(tmp_path: Path) -> None:
     """One may be entered and not be listed, another may not be entered: there were internal errors, or broken plugins."""
-    for name in ("blind", "closed"):
+    for name in ("blind", "closed", "open"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "arm.csv").write_text(TABLE)
+    (tmp_path / "some.yaml").write_text("inputs: '[co]*/*.csv'\noutput: {directory: out}\n")
+    (tmp_path / "none.yaml").write_text("inputs: c*/*.csv\n")
     (tmp_path / "arm.urdf").write_text(URDF.format(""))
     (tmp_path / "include.xml").write_text(MJCF.format('<include file="closed/b.xml"/>'))
     (tmp_path / "run.yaml").write_text("inputs: closed/arm.csv\n")
@@ -92,16 +94,28 @@ def test_folders_without_permission(tmp_path: Path) -> None:
         ("check", "include.xml"): "'closed/b.xml' is not there",
         ("run", "run.yaml"): "'closed/arm.csv': the file cannot be read",
     }
+    patterns = {
+        ("run", "some.yaml"): (0, "'closed'"),
+        ("run", "none.yaml"): (2, "'closed'"),
+        ("run", "some.yaml", "-o", "closed/out"): (2, "'closed/out'"),
+    }
     try:
         (tmp_path / "blind").chmod(0o311)
         (tmp_path / "closed").chmod(0)
         answers = {words: ordinary(tmp_path, *words) for words in places}
+        patterned = {words: ordinary(tmp_path, *words) for words in patterns}
     finally:
         for name in ("blind", "closed"):
             (tmp_path / name).chmod(0o755)
     for words, answer in answers.items():
         assert places[words] in answer.stderr + answer.stdout, (words, answer)
         assert "internal error" not in answer.stderr
+    # Of a pattern: a notice where it led to other files, an error where it did not; of the output: an error that names it.
+    for words, (status, place) in patterns.items():
+        assert patterned[words].returncode == status, patterned[words].stderr
+        assert place in patterned[words].stderr
+        assert "Permission denied" in patterned[words].stderr
+        assert "Traceback" not in patterned[words].stderr
 
 
 def test_nothing_else_looks_for_files() -> None:

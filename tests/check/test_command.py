@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -183,27 +183,6 @@ def test_the_same_as_json(cli: Cli, arm: Path) -> None:
         "does": "ends the interpreter with SystemExit",
         "seen": None,
     }
-
-
-def test_the_same_as_sarif(cli: Cli, arm: Path) -> None:
-    """SARIF 2.1.0: a run, the tool with its rules, and a result for each finding, at its place."""
-    swap_limits(arm)
-    log: dict[str, Any] = json.loads(cli("check", "--no-ask", arm.name, "--format", "sarif", status=1).stdout)
-    assert set(log) == {"$schema", "version", "runs"}
-    assert log["version"] == "2.1.0"
-    (run,) = log["runs"]
-    driver = run["tool"]["driver"]
-    assert {"name", "semanticVersion", "rules"} == set(driver)
-    assert len(run["results"]) == 7
-    for result in run["results"]:
-        assert result["ruleId"] == driver["rules"][result["ruleIndex"]]["id"]
-        assert result["level"] in {"error", "warning", "note"}
-        assert result["message"]["text"]
-        (location,) = result["locations"]
-        place = location["physicalLocation"]
-        assert place["artifactLocation"] == {"uri": "arm.urdf"}
-        assert all(isinstance(number, int) and number > 0 for number in place["region"].values())
-        assert set(place["region"]) <= {"startLine", "startColumn"}
 
 
 def test_names_of_strangers_do_not_reach_the_terminal(cli: Cli, arm: Path) -> None:

@@ -35,7 +35,11 @@ def test_a_finding_is_as_bad_as_its_worst_effect(effects: tuple[Effect, ...], se
 def test_sarif_has_as_much_of_a_place_as_is_known(line: int | None, column: int | None, region: object) -> None:
     """Line and column, a line, or the file as a whole."""
     log = json.loads(as_sarif([finding(MILD, line=line, column=column)]))
-    (result,) = log["runs"][0]["results"]
+    (run,) = log["runs"]
+    ((result,), driver) = run["results"], run["tool"]["driver"]
+    assert (log["version"], set(driver)) == ("2.1.0", {"name", "semanticVersion", "rules"})
+    assert result["ruleId"] == driver["rules"][result["ruleIndex"]]["id"] == "a-rule"
+    assert result["level"] == "note"
     assert result["locations"][0]["physicalLocation"].get("region") == region
     assert result["message"]["text"] == "it is so\none: says so\nfix: make it otherwise"
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import pytest
+from full_row import FULL_ROW, INERTIA
 from solids import STL
 
 import dh2urdf
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 CONFIGS = Path(__file__).parents[2] / "configs"
 UR5 = CONFIGS / "tables" / "ur5.csv"
 PLACED = RigidTransform.from_xyz_rpy((0.1, 1 / 3, -0.2), (0.3, -0.4, 1.1))
-INERTIA = Inertia(ixx=0.01, iyy=0.012, izz=0.013, ixy=0.001, ixz=0.002, iyz=0.0015)
 
 
 def mesh(folder: Path, name: str) -> MeshShape:
@@ -46,31 +46,19 @@ def mesh(folder: Path, name: str) -> MeshShape:
 
 def arm_in(folder: Path) -> Manipulator:
     """An arm that says something in every field."""
-    full = DHRow(
-        joint="waist",
-        link="column",
-        a=0.1,
-        alpha=0.5,
-        d=0.2,
-        theta=0.1,
-        offset=0.2,
-        limits=Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=40.0),
-        mass=2.0,
-        com=(0.01, 0.02, 0.03),
-        inertia=INERTIA,
-        radius=0.04,
-        damping=0.1,
-        friction=0.2,
-        armature=0.3,
-    )
     seen = replace(
-        full, joint="elbow", link="forearm", radius=None, visual=mesh(folder, "v.stl"), collision=mesh(folder, "c.stl")
+        FULL_ROW,
+        joint="elbow",
+        link="forearm",
+        radius=None,
+        visual=mesh(folder, "v.stl"),
+        collision=mesh(folder, "c.stl"),
     )
-    bare = DHRow(joint="rail", link="slide", type=JointType.PRISMATIC, a=0.3, alpha=0.4, d=0.1, limits=full.limits)
+    bare = DHRow(joint="rail", link="slide", type=JointType.PRISMATIC, a=0.3, alpha=0.4, d=0.1, limits=FULL_ROW.limits)
     return Manipulator(
         name="arm",
         convention=Convention.STANDARD,
-        rows=(full, seen, bare),
+        rows=(FULL_ROW, seen, bare),
         base=PLACED,
         tool=PLACED,
         geometry=LinkGeometry(shape="box", radius=0.05),

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from full_row import FULL_ROW, INERTIA
 
 from dh2urdf import robot as robots
 from dh2urdf.errors import RecordError, RecordTypeError, RecordValueError
@@ -97,26 +98,7 @@ def label(value: object) -> str:
         return "unreadable"
 
 
-INERTIA = Inertia(ixx=0.02, iyy=0.03, izz=0.025, ixy=0.001, ixz=0.002, iyz=0.003)
-ROW = DHRow(
-    joint="shoulder",
-    link="upper arm",
-    type=JointType.REVOLUTE,
-    a=0.4,
-    alpha=0.3,
-    d=0.2,
-    theta=0.1,
-    offset=0.05,
-    sign=-1,
-    limits=Limits(lower=-1.0, upper=3.0, velocity=2.0, effort=50.0),
-    mass=3.0,
-    com=(0.01, 0.02, 0.03),
-    inertia=INERTIA,
-    radius=0.04,
-    damping=0.5,
-    friction=0.4,
-    armature=0.1,
-)
+ROW = replace(FULL_ROW, sign=-1)
 SLIDE = DHRow(joint="slide", link="carriage", type=JointType.PRISMATIC, a=0.1, alpha=-0.2, d=0.3, offset=0.02)
 ARM = Manipulator(
     name="arm",

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from full_row import FULL_ROW
 from hypothesis import given, strategies as st
 
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall
@@ -32,28 +33,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 RAISED = RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.5))
-INERTIA = Inertia(ixx=0.1, iyy=0.2, izz=0.25, ixy=0.01, ixz=0.02, iyz=0.03)
-LIMITS = Limits(lower=-1.0, upper=2.0, velocity=3.0, effort=4.0)
-FULL = DHRow(
-    joint="shoulder",
-    link="upper_arm",
-    a=0.4,
-    alpha=1.5,
-    d=0.1,
-    theta=0.2,
-    offset=0.3,
-    mass=2.0,
-    com=(0.1, 0.2, 0.3),
-    inertia=INERTIA,
-    radius=0.05,
-    damping=0.6,
-    friction=0.7,
-    armature=0.8,
-    limits=LIMITS,
-)
 MESH = MeshShape(file=MeshFile(path="/link.stl", sha256="0" * 64))
 BARE = DHRow(joint="elbow", link="forearm", a=0.3, alpha=0.0, d=0.0)
-ARM = Manipulator(name="arm", convention=Convention.STANDARD, rows=(FULL, BARE))
+ARM = Manipulator(name="arm", convention=Convention.STANDARD, rows=(FULL_ROW, BARE))
 
 
 def keys(tables: Sequence[Manipulator], recipe: str = "recipe", context: object = "here") -> list[str]:
@@ -91,9 +73,9 @@ def numbers(row: DHRow) -> list[DHRow]:
 
 
 OTHERS = [
-    *(replace(ARM, rows=(row, BARE)) for row in numbers(FULL)),
+    *(replace(ARM, rows=(row, BARE)) for row in numbers(FULL_ROW)),
     *(
-        replace(ARM, rows=(FULL, replace(BARE, **change)))
+        replace(ARM, rows=(FULL_ROW, replace(BARE, **change)))
         for change in (
             {"joint": "elbow_2"},
             {"link": "forearm_2"},
@@ -109,8 +91,8 @@ OTHERS = [
     ),
     replace(ARM, name="arm_2"),
     replace(ARM, convention=Convention.MODIFIED),
-    replace(ARM, rows=(FULL,)),
-    replace(ARM, rows=(BARE, FULL)),
+    replace(ARM, rows=(FULL_ROW,)),
+    replace(ARM, rows=(BARE, FULL_ROW)),
     replace(ARM, base=RAISED),
     replace(ARM, tool=RAISED),
     replace(ARM, geometry=LinkGeometry(shape="box")),
@@ -125,11 +107,11 @@ OTHERS = [
     replace(ARM, base_geometry=LinkGeometry(shape="box")),
     replace(ARM, base_visual=MESH),
     replace(ARM, base_collision=MESH),
-    replace(ARM, rows=(replace(FULL, visual=MESH), BARE)),
-    replace(ARM, rows=(replace(FULL, visual=replace(MESH, file=replace(MESH.file, sha256="1" * 64))), BARE)),
-    replace(ARM, rows=(replace(FULL, visual=replace(MESH, pose=RAISED)), BARE)),
-    replace(ARM, rows=(replace(FULL, visual=replace(MESH, scale=(1.0, 1.0, 2.0))), BARE)),
-    replace(ARM, rows=(replace(FULL, collision=MESH), BARE)),
+    replace(ARM, rows=(replace(FULL_ROW, visual=MESH), BARE)),
+    replace(ARM, rows=(replace(FULL_ROW, visual=replace(MESH, file=replace(MESH.file, sha256="1" * 64))), BARE)),
+    replace(ARM, rows=(replace(FULL_ROW, visual=replace(MESH, pose=RAISED)), BARE)),
+    replace(ARM, rows=(replace(FULL_ROW, visual=replace(MESH, scale=(1.0, 1.0, 2.0))), BARE)),
+    replace(ARM, rows=(replace(FULL_ROW, collision=MESH), BARE)),
     replace(ARM, visuals=False),
     replace(ARM, collisions=False),
     replace(ARM, notices=(Problem(message="read with care", severity="notice"),)),
@@ -208,7 +190,7 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), min_size=2, max_size=6))
 def test_equal_numbers_and_only_they_have_equal_keys(values: list[tuple[float, float]]) -> None:
     """Of manipulators in columns, whatever the numbers."""
-    tables = [replace(ARM, rows=(replace(FULL, a=a, mass=mass), BARE)) for a, mass in values]
+    tables = [replace(ARM, rows=(replace(FULL_ROW, a=a, mass=mass), BARE)) for a, mass in values]
     found = keys(tables)
     for first, one in zip(found, values, strict=True):
         for second, other in zip(found, values, strict=True):

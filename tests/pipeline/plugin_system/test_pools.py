@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import count, islice
 from multiprocessing import get_context
-from typing import Any
 
 import pytest
 
-from dh2urdf.plugin_system.pools import AHEAD, results_of
+from dh2urdf.plugin_system.pools import results_of
 from dh2urdf.stages import Executor, Lost, NoOptions
 from dh2urdf.testing import ExecutorContract
 from dh2urdf.testing.worker_contracts import doubled_or_killed
@@ -52,15 +50,6 @@ def test_every_task_that_ends_a_worker_is_lost_and_no_other() -> None:
     found = list(results_of(PROCESSES, doubled_or_killed, [1, 2, -1, 4, 5, -1, 7, 8, -1], Workers()))
     assert [each if isinstance(each, int) else 0 for each in found] == [2, 4, 0, 8, 10, 0, 14, 16, 0]
     assert all(each.reason.startswith("the worker ended") for each in found if isinstance(each, Lost))
-
-
-def test_a_few_tasks_are_taken_ahead() -> None:
-    """So many for each worker, of tasks without end."""
-    tasks = count()
-    results: Any = results_of(THREADS, str, tasks, Workers(workers=3))
-    assert list(islice(results, 5)) == ["0", "1", "2", "3", "4"]
-    assert next(tasks) <= 5 + AHEAD * 3
-    results.close()
 
 
 def test_neither_map_nor_pool() -> None:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal
 
@@ -10,14 +9,11 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from dh2urdf.documents import load_yaml
-from dh2urdf.documents.document import read_yaml
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.plugin_system import Catalog, load
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.run_file.schema import run_schema, table_schema
 from dh2urdf.stages import Emitter, Executor, HasSchema, Loader, NoOptions, Reader, Transform, Usual
-
-CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,13 +143,6 @@ def test_options_carry_their_help_and_default(schema: dict[str, Any]) -> None:
     rank = schema["$defs"]["emitter.dot"]["properties"]["rank"]
     assert rank == {"default": "LR", "enum": ["LR", "TB"], "type": "string", "description": "which way it grows"}
     assert schema["$defs"]["emitter.dot"]["description"] == "graphs"
-
-
-@pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name)
-def test_the_example_run_files_are_valid(path: Path) -> None:
-    """Every run file of the project is valid for the stages that are installed."""
-    errors = [error.message for error in Draft202012Validator(run_schema(load())).iter_errors(read_yaml(path).plain())]
-    assert errors == []
 
 
 # --- Tables -----------------------------------------------------------------------------------------------------------

@@ -4,10 +4,6 @@ import json
 import tarfile
 from typing import TYPE_CHECKING, Any
 
-import pytest
-
-from dh2urdf.output.layouts import Form, Layout
-
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
@@ -16,23 +12,6 @@ if TYPE_CHECKING:
 
 
 TABLE = "# convention: standard\nrobot,a,alpha,d\n"
-
-
-@pytest.mark.parametrize(
-    ("layout", "paths"),
-    [
-        (Layout(), ["arm.urdf"] * 3),
-        (Layout(form=Form.FOLDERS, size=10), ["00000/arm.urdf", "00000/arm.urdf", "00001/arm.urdf"]),
-        (Layout(form=Form.FOLDERS, size=1), ["00000/arm.urdf", "00009/arm.urdf", "00010/arm.urdf"]),
-        (Layout(form=Form.SHARDS, size=10), ["000000.tar/arm.urdf", "000000.tar/arm.urdf", "000001.tar/arm.urdf"]),
-    ],
-)
-def test_the_place_goes_by_the_number_of_the_manipulator(layout: Layout, paths: list[str]) -> None:
-    """All in one folder; so many in each folder; so many in each shard: whatever the batches and the workers."""
-    assert [layout.path(index, "arm.urdf") for index in (0, 9, 10)] == paths
-
-
-# --- The real run -----------------------------------------------------------------------------------------------------
 
 
 def run(cli: Callable[..., Answer], folder: Path, *settings: str, out: str = "out") -> list[dict[str, Any]]:

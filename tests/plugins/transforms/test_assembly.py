@@ -36,8 +36,6 @@ MARK = Mark(file="arm.csv", line=3)
     [
         ({"limits": Limits(lower=0.0)}, {}, "limit-alone", "limits.upper"),
         ({"radius": -0.1}, {}, "not-above-0", "radius"),
-        ({"inertia": Inertia(ixx=0.0, iyy=0.35, izz=0.0)}, {}, "inertia-of-no-body", "inertia"),
-        ({"inertia": Inertia(ixx=1.0, iyy=1.0, izz=2.1)}, {}, "inertia-of-no-body", "inertia"),
         ({}, {"geometry": LinkGeometry(shape="cilinder")}, "shape-unknown", "geometry.shape"),
         ({}, {"base_geometry": LinkGeometry(radius=0.0)}, "not-above-0", "base.geometry.radius"),
         ({}, {"base_mass": -1.0}, "not-above-0", "base.mass"),

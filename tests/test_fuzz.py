@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+
+from dh2urdf.quantities import Quantity
+from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 
 if TYPE_CHECKING:
     from types import ModuleType
 
+    from dh2urdf.stages import EmittedFile
 
 FUZZ = Path(__file__).parents[1] / "fuzz"
 REFERENCE = Path(__file__).parent / "reference" / "inputs"
@@ -49,6 +54,34 @@ def test_every_target_has_a_corpus_and_words() -> None:
     assert {path.name for path in (FUZZ / "corpus").iterdir()} == names
     assert {path.stem for path in (FUZZ / "words").iterdir()} == names
     assert all(path.stat().st_size <= fuzz.LONGEST for path in KEPT)
+
+
+@pytest.mark.parametrize(
+    ("target", "content"),
+    [
+        ("csv", b"# convention: standard\na,alpha,d\n0,0,0.125\n0,0,0\n"),
+        ("yaml", b"convention: standard\njoints: [{a: 0, alpha: 0, d: 0.125}, {a: 0, alpha: 0, d: 0}]\n"),
+    ],
+)
+def test_the_oracle_notices_another_arm(target: str, content: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A description that is a millimetre off is a finding."""
+    targets.TARGETS[target](content)
+
+    def a_millimetre_off(robot: Any, stem: str, options: Any) -> tuple[EmittedFile]:
+        (file,) = URDF.emit(robot, stem, options)
+        joints, _, tool = file.content.rpartition(b'<origin xyz="0 0 0.125"')
+        return (replace(file, content=joints + b'<origin xyz="0 0 0.126"' + tool),)
+
+    monkeypatch.setattr(targets, "URDF", replace(URDF, emit=a_millimetre_off))
+    with pytest.raises(targets.Broken, match="the description is another arm"):
+        targets.TARGETS[target](content)
+
+
+def test_the_oracle_notices_another_sum(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sum that is not what arithmetic makes of it is a finding."""
+    monkeypatch.setattr(targets, "evaluate", lambda *_arguments, **_options: Quantity(3.0000000000000004))
+    with pytest.raises(targets.Broken, match="and Python says 3"):
+        targets.TARGETS["expression"](b"1 + 2")
 
 
 def test_every_group_of_mutants_has_modules_and_tests() -> None:

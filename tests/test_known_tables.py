@@ -1,15 +1,20 @@
-"""Tables of known arms through every reader: a bounded part of `fuzz/tables.py`."""
+"""Tables of known arms through every reader: a bounded part of `fuzz/tables.py`, and that it finds what is wrong."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from known_arms import KnownArm, KnownRow
 from known_quantities import ANGLE, LENGTH, Exact
-from tables import Figures, counted_fast, run_case
+from tables import Figures, WrongReading, counted_fast, run_case
+
+from dh2urdf.columns import member, stacked
+from dh2urdf_plugins.readers.plain import sample
+from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -32,6 +37,35 @@ def test_every_known_table_is_read_as_the_arm_that_it_is(tmp_path: Path) -> None
     assert figures.tables > 100
     assert figures.fast > 50
     assert min(figures.by_reader[name] for name in ("csv", "yaml", "json", "parquet", "xlsx")) > 100
+
+
+def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
+    fast = PlainRows.read
+
+    def wrong(self: PlainRows, cells: Any, sizes: Any) -> Any:
+        groups = fast(self, cells, sizes)
+        return groups and [(members, [changed(row, len(members)) for row in rows]) for members, rows in groups]
+
+    def changed(row: Any, count: int) -> Any:
+        return stacked([change(member(row, number)) for number in range(count)])
+
+    monkeypatch.setattr(PlainRows, "read", wrong)
+    monkeypatch.setattr(sample, "compare", lambda *_arguments: None)  # the check of every run would be first
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda row: replace(row, a=row.a + 1e-9),
+        lambda row: replace(row, limits=replace(row.limits, effort=7.0)),
+    ],
+    ids=["a", "effort"],
+)
+def test_a_wrong_reading_is_found(change: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A nanometre, a factor, a sign, a limit that nobody said, and the last bit of a length."""
+    planted(monkeypatch, change)
+    with pytest.raises(WrongReading):
+        run_cases(tmp_path)
 
 
 def exact(number: int, dimension: str) -> Exact:

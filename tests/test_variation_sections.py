@@ -1,4 +1,4 @@
-"""Random variation sections through whole runs: a bounded part of `fuzz/variations.py`."""
+"""Random variation sections through whole runs: a bounded part of `fuzz/variations.py`, and that it finds what is wrong."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import variations
 from hypothesis import given, settings, strategies as st
 from variation_sections import make_rule, make_section
-from variations import TOGETHER, Figures, try_sections
+from variations import TOGETHER, Figures, WrongRunError, try_sections
 
 from dh2urdf.run_file.variation_section import LAWS, WORD_LAWS
 from dh2urdf.variations.sampling import Sampling
@@ -52,3 +53,16 @@ def test_members_that_no_arm_can_be_fail_alone(tmp_path: Path, bounds: list[floa
     try_sections([{"name": "v", "of": "ur5", "vary": [vary], "count": 40}], tmp_path, "files", figures)
     assert figures.variants == 40
     assert figures.failed == {"manipulator": 40}
+
+
+def test_a_fault_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the loop is for: a stage that raises, and a run that does."""
+    section = {"name": "v", "of": "ur5", "vary": [{"field": "a", "joints": 2, "scale": [0.9, 1.1]}], "count": 3}
+    with monkeypatch.context() as patch:
+        patch.setattr("dh2urdf.tasks.batch.made_variants", lambda *_: {}["nothing"])
+        with pytest.raises(WrongRunError, match="the run raised KeyError"):
+            try_sections([section], tmp_path, "files", Figures())
+    with monkeypatch.context() as patch:
+        patch.setattr(variations, "execute", lambda *_, **__: (None, {"manipulators": [], "left_out": 0}))
+        with pytest.raises(WrongRunError, match="0 rows for 3 variants"):
+            try_sections([section], tmp_path, "dry", Figures())

@@ -374,7 +374,7 @@ BUDGETS = {
     "pipeline/dh2urdf/report": 2120,
     "pipeline/dh2urdf/robot_check": 340,
     "pipeline/dh2urdf/run_file": 1610,
-    "pipeline/dh2urdf/running": 1040,
+    "pipeline/dh2urdf/running": 1050,
     "pipeline/dh2urdf/scaffold": 210,
     "pipeline/dh2urdf/stages": 1040,
     "pipeline/dh2urdf/table_text": 390,

@@ -260,7 +260,11 @@ def _answers(
             if result is end or not under_way:  # Results of nothing may never end.
                 break
             batch = under_way.popleft()
-            if isinstance(result, Lost) or (isinstance(result, BatchReport) and result.first == batch.first):
+            first = result.first if isinstance(result, BatchReport) else batch.first
+            while first in {each.first for each in under_way}:  # Results are missing before this one.
+                yield batch, _undone(worker, batch, call)
+                batch = under_way.popleft()
+            if first == batch.first and isinstance(result, BatchReport | Lost):
                 yield batch, result
             else:
                 yield batch, _undone(worker, batch, call, result)
@@ -277,7 +281,8 @@ def _answers(
 def _undone(worker: BatchWorker, batch: Batch, call: Call[Executor[Any]], result: object = None) -> BatchReport:
     """What becomes of a batch of which the executor has another result, or none: its manipulators fail."""
     try:
-        a_record(result, BatchReport, Lost)
+        if result is not None:
+            a_record(result, BatchReport, Lost)
         raise ValueError("it gave no result of the batch that this manipulator is in")
     except (TypeError, ValueError) as error:
         doomed = {place: Doomed(name, fault(call, error), None) for place, name in enumerate(batch.names)}

@@ -368,6 +368,18 @@ class TestCallsInOtherProcesses:
         execute(replace(plan, executor=executor, recipe=recipe))
         assert seen == [("far-lab", "lab")]
 
+    def test_a_missing_result_fails_its_own_batch(self, lab: Lab) -> None:
+        """Those that come after it are of their own batches."""
+        plan = lab.plan("inputs: names.list", names="a\nb\nc\nd")
+
+        def forgetful(function: Any, tasks: Any, _options: NoOptions) -> Iterator[Any]:
+            next(tasks)
+            yield from map(function, [*tasks])
+
+        executor = replace(plan.executor, stage=replace(plan.executor.stage, map=forgetful))
+        statuses = [row["status"] for row in rows(replace(plan, executor=executor))]
+        assert statuses == ["failed", "ok", "ok", "ok"]
+
     def test_an_executor_has_ended_before_the_folder_is_given_back(self, lab: Lab) -> None:
         """Wherever an interrupt comes: a worker that goes on would write into a folder that is another run's by then."""
         plan = lab.plan("inputs: names.list", names="x\ny")

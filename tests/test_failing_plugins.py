@@ -1,6 +1,6 @@
 """Whatever a plugin raises, wherever it does, is told as its own fault: plugin, distribution and version.
 
-What happens at import, at registration and in hooks is in tests/pipeline/test_registry.py.
+What happens at import, at registration and in hooks is in tests/pipeline/plugin_system.
 """
 
 from __future__ import annotations

@@ -320,7 +320,10 @@ def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - 
 
 def axis_rotation(axis: Vec3, angle: Any) -> Rotation:  # noqa: ANN401 - floats and arrays alike
     """Rotation by an angle [rad] about a unit vector (Rodrigues' formula)."""
-    return rotation_about(axis, *cos_sin(angle))
+    c, s = cos_sin(angle)
+    _, xy, xz, yx, _, yz, zx, zy, _ = rotation_about(axis, c, s)
+    xx, yy, zz = (c + k * k * (1.0 - c) for k in axis)  # the last digits that files have had
+    return (xx, xy, xz, yx, yy, yz, zx, zy, zz)
 
 
 def position_error(left: RigidTransform, right: RigidTransform) -> float:

@@ -207,10 +207,13 @@ def _is(number: Numbers, value: float) -> bool:
 
 
 def rotation_about(axis: Vec3, c: Numbers, s: Numbers) -> Rotation:
-    """The rotation about a unit vector by an angle with this cosine and sine, row by row (Rodrigues' formula)."""
+    """The rotation about a unit vector by an angle with this cosine and sine, row by row (Rodrigues' formula).
+
+    The diagonal x² + c·(1 − x²) is c + x²·(1 − c), and exact about the axes of the frame.
+    """
     x, y, z = axis
     versine = 1.0 - c
-    xx, yy, zz = (c + k * k * versine for k in (x, y, z))
+    xx, yy, zz = (k * k + (1.0 - k * k) * c for k in (x, y, z))
     xs, ys, zs = (k * s for k in (x, y, z))
     xy, xz, yz = (k * versine for k in (x * y, x * z, y * z))
     return (xx, xy - zs, xz + ys, xy + zs, yy, yz - xs, xz - ys, yz + xs, zz)

@@ -236,8 +236,8 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
     is_list = is_alone and len(list(filter(_unit, tokens))) > 1
     is_open = is_alone  # whether what is before shows that a unit is meant
     counts = {"1"} if any(_is("before", token) and _is("between", token) for token in tokens) else ()  # `unit = 1 mm`
-    padded = ["", "", *tokens, "."]
-    for earlier, before, token, behind in zip(padded, padded[1:], tokens, padded[3:], strict=False):
+    padded = ["", "", *tokens, ".", "."]
+    for earlier, before, token, behind, last in zip(padded, padded[1:], tokens, padded[3:], padded[4:], strict=False):
         unit = _unit(token)
         key = KEY_OF.get(unit.dimension) if unit else None
         is_other = (_is("no_units", token) and not is_list) or (token.casefold() == "in" and behind not in _ENDS)
@@ -246,7 +246,8 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
             field = FIELDS.get(earlier.casefold(), FIELDS["joint"])
             is_last = (behind in _ENDS or goes_on) and len(token) > 1  # `metric, mm`
             is_of_field = field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
-            if is_open or (before in _LISTING and (is_last or is_of_field)):
+            is_for_kind = _is("for", behind) and _is(key, last)  # `mm for lengths`
+            if is_open or is_for_kind or (before in _LISTING and (is_last or is_of_field)):
                 found.setdefault(key, set()).add(unit.symbol)
                 is_open = is_alone or behind in _LISTING or goes_on  # `kg mm` is one unit, and `kg, mm` are two
         elif token in _OPENING or any(_is(name, token) for name in _BEFORE_UNIT):

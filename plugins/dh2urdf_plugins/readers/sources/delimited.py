@@ -46,7 +46,7 @@ MAX_LINE = 2**20
 _BYTES = 250_000
 """Bytes read at once, some thousand rows: with fewer, what a block costs besides its rows counts."""
 _SAMPLE = 4096
-_ACCEPTED = "text in UTF-8 or UTF-16, with commas, semicolons or tabs between the cells"
+_ACCEPTED = "text in UTF-8, or in UTF-16 with a byte order mark, with commas, semicolons or tabs between the cells"
 _MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
     codecs.BOM_UTF32_LE: "utf-32",

@@ -157,7 +157,7 @@ class JointRows:
             cell = cells[place]
             if not ids and number != place + first:
                 self._refuse_number(place, field, cell, place + first)
-            self.rows[place][field] = cell._replace(text=f"{field}_{cell.text.partition('.')[0]}")
+            self.rows[place][field] = cell._replace(text=f"{field}_{cell.text.partition('.')[0]}", typed=cell.text)
 
 
 def _variables_in(cells: Mapping[str, Cell], reader: RowReader) -> dict[str, int | None]:

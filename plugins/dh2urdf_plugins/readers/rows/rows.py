@@ -120,7 +120,8 @@ class RowReader:
                 (key, cell) for key, cell in cells.items() if cell.text and (key != "type" or cell.mark is not mark)
             ]
             units = self._units_of
-            self.said.append({key: Said(text=cell.text, mark=cell.mark, unit=units.get(key)) for key, cell in told})
+            texts = {key: cell.typed or cell.text for key, cell in told}
+            self.said.append({key: Said(text=texts[key], mark=cell.mark, unit=units.get(key)) for key, cell in told})
         if self.errors > before:
             return None
         return DHRow(

@@ -16,9 +16,10 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
-from dh2urdf.table_text import STATEMENTS, CellRow
+from dh2urdf.table_text import STATEMENTS, CellRow, Said
 from dh2urdf_plugins.readers.comments.declared import declared_key
 from dh2urdf_plugins.readers.comments.top import read_top
+from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
 from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
@@ -114,16 +115,28 @@ def read_table(
 ) -> Manipulator | Rejected:
     """The manipulator of a mapping, or everything that is wrong with it."""
     options = options or TableOptions()
-    table = Document(item)
+    table, rows = Document(item), list[CellRow]()
     place = item.node.mark
     try:
-        source = CellRows([*comments, *table.rows(options)], prose=False)
+        rows = table.rows(options)
+        source = CellRows([*comments, *rows], prose=False)
         top = read_top(source, place, table.said, convention=options.convention, ignore=ignored_columns(options))
         reader = RowTable(Cell(default_name, place), options, top, source, trace, one=True)
         (found,) = reader.manipulators()
     except TableError as error:
         name = (table.said["name"].text if "name" in table.said else "") or default_name
         problems = tuple(each.about(robot=name) for each in (*table.problems, *error.problems))
+        if trace is not None and rows:  # What was typed is shown where it is corrected.
+            fields = [_field(text_in(cell)) for cell in rows[0].cells]
+            trace.rows = tuple(
+                {
+                    field: Said(text=text_in(cell), mark=mark)
+                    for field, cell, mark in zip(fields, row.cells, row.marks or (), strict=True)
+                    if field and cell
+                }
+                for row in rows[1:]
+            )
+            trace.table = {key: Said(text=flow_text(node), mark=node.mark) for key, node in table.said.items()}
         return Rejected(name=name, problems=problems, mark=place, notices=(*table.notices, *error.notices))
     assert not isinstance(found, ManipulatorGroups)  # noqa: S101 - it is read with care
     return table.with_meshes(found, reader)

@@ -28,3 +28,4 @@ class Cell(NamedTuple):
     text: str
     mark: Mark
     of_theta: bool = False  # whether its header says that it bounds theta, which is not q where the row has an offset
+    typed: str | None = None  # what was in the file, where the text is another, such as the name of joint 1

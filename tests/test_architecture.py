@@ -392,7 +392,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4060,
     "plugins/dh2urdf_plugins/loaders": 2610,
     "plugins/dh2urdf_plugins/packages": 2030,
-    "plugins/dh2urdf_plugins/readers": 7170,
+    "plugins/dh2urdf_plugins/readers": 7180,
     "plugins/dh2urdf_plugins/transforms": 2150,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6410,

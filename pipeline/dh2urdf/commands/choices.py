@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-Given: TypeAlias = "Mapping[str, Mapping[str, str | None]]"  # options as words, by kind of stage
+GivenOptions: TypeAlias = "Mapping[str, Mapping[str, str | None]]"  # options as words, by kind of stage
 _FLAGS = {"reader": "--from", "formats": "--to", "out": "-o", "edits": "--edit", "options": "--set"}
 """Options of the command line that are not called as the arguments of the functions are."""
 
@@ -52,7 +52,7 @@ def chosen_reader(catalog: Catalog, table: Path, name: str | None, mark: Mark) -
 
 
 def reader_call(
-    catalog: Catalog, table: Path, name: str | None, mark: Mark, given: Given, *, settings: Iterable[str] = ()
+    catalog: Catalog, table: Path, name: str | None, mark: Mark, given: GivenOptions, *, settings: Iterable[str] = ()
 ) -> Call[Reader[Any]]:
     """The reader of a table, with its options; see `chosen_reader` and `stage_calls`."""
     stages = {"reader": [chosen_reader(catalog, table, name, mark)]}
@@ -109,7 +109,7 @@ def refuse_run_file(table: Path) -> Iterator[None]:
 
 
 def stage_calls(
-    catalog: Catalog, stages: Mapping[str, Sequence[Any]], mark: Mark, given: Given, settings: Iterable[str] = ()
+    catalog: Catalog, stages: Mapping[str, Sequence[Any]], mark: Mark, given: GivenOptions, settings: Iterable[str] = ()
 ) -> dict[str, list[Call[Any]]]:
     """The calls of stages by kind with their options, those of one kind sharing what is given for it.
 

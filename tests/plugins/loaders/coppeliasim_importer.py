@@ -1,7 +1,7 @@
-"""What CoppeliaSim's URDF importer makes of the files that the loader gives it, step by step.
+"""What CoppeliaSim's URDF importer makes of a file, step by step and with its faults.
 
 Written from the source of https://github.com/CoppeliaRobotics/simURDF, and compared with CoppeliaSim 4.10.0 by
-`test_coppeliasim_arms`; what it makes of faulty files is in the record of tests/check. Its C++ reads first, then creates joints, then links, and parents them last: a link is
+`test_coppeliasim_arms`. Its C++ reads first, then creates joints, then links, and parents them last: a link is
 placed by the frame of its joint, whatever position that joint has by then.
 """
 
@@ -16,10 +16,13 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-SHAPE, JOINT, FORCE_SENSOR = 0, 1, 12
+SHAPE, JOINT, DUMMY, FORCE_SENSOR = 0, 1, 4, 12
 REVOLUTE, PRISMATIC = 10, 11
+CREATE_VISUALS, NOT_CENTRED, ALTERNATING_MASKS = 8, 32, 128
 SMALLEST_RANGE = math.radians(0.001)
 MESHES = (".obj", ".dxf", ".3ds", ".stl", ".dae", ".glb")
+WHITE = (1.0, 1.0, 1.0)
+"""Not the real one's default colour; it stands for any that the file did not say."""
 
 
 class Crash(Exception):  # noqa: N818 - the program ends
@@ -46,6 +49,7 @@ class Thing:
     static: bool = True
     respondable: bool = False
     mask: int = 0xFFFF
+    colour: tuple[float, ...] = WHITE
 
     def limit(self, cyclic: bool, lower: float, extent: float) -> None:  # noqa: FBT001 - as the API has it
         smallest = 0.0 if self.subtype == PRISMATIC else SMALLEST_RANGE
@@ -93,9 +97,18 @@ class Scene:
 
     def hang(self, handle: int, parent: int, *, in_place: bool = True) -> None:
         pose = self.world(handle)
+        if parent != -1 and handle in self.above(parent):
+            raise ValueError("354: in sim.genericFunctionHandler: object is ancestor of desired parent.")
         self.things[handle].parent = parent
         if in_place:
             self.place(handle, pose)
+
+    def above(self, handle: int) -> list[int]:
+        return [handle, *self.above(self.at(handle).parent)] if handle != -1 else []
+
+    def tree(self, handle: int) -> list[int]:
+        below = [self.tree(each) for each, thing in self.things.items() if thing.parent == handle]
+        return [handle, *(each for tree in below for each in tree)]
 
 
 @dataclass
@@ -132,7 +145,7 @@ class UrdfLink:
         return self.visual if self.respondable == -1 else self.respondable
 
 
-def import_urdf(scene: Scene, text: str, *, blind: bool = False) -> list[Any]:
+def import_urdf(scene: Scene, text: str, options: int, *, blind: bool = False) -> list[Any]:
     """The robot's name and the handles of its models.
 
     Raises:
@@ -152,12 +165,15 @@ def import_urdf(scene: Scene, text: str, *, blind: bool = False) -> list[Any]:
         return ["", {}]
     if document.tag != "robot":
         return ["", {}]
-    return _Import(scene, document, folder).done()
+    return _Import(scene, document, options, folder).done()
 
 
 class _Import:
-    def __init__(self, scene: Scene, robot: Any, folder: Path | None) -> None:
-        self.scene, self.folder = scene, folder
+    def __init__(self, scene: Scene, robot: Any, options: int, folder: Path | None) -> None:
+        self.scene, self.options, self.folder = scene, options, folder
+        elements = [*robot.findall("link"), *robot.findall("gazebo/sensor"), *robot.findall("sensor")]
+        if any(element.get("name") is None for element in (robot, *elements)):
+            raise Crash
         self.name = robot.get("name")
         self.joints = [
             UrdfJoint(element, _link_of(element, "parent"), _link_of(element, "child"), origin_of(element))
@@ -176,6 +192,12 @@ class _Import:
         made = [handle for link in self.links for handle in (link.visual, link.respondable) if handle != -1]
         made += [joint.handle for joint in self.joints]
         roots = [handle for handle in made if self.scene.things[handle].parent == -1]
+        if self.options & ALTERNATING_MASKS:
+            for root in roots:
+                self._alternate(root, bit=True)
+        if not self.options & NOT_CENTRED:  # The amounts are not the real one's.
+            for root in roots:
+                self.scene.place(root, transform(xyz=(0.1, -0.2, 0.3)) @ self.scene.world(root))
         return [self.name, roots or {}]
 
     def _link(self, name: str) -> UrdfLink | None:
@@ -221,13 +243,16 @@ class _Import:
             shape.static, shape.respondable, shape.mask = inertial is None, True, 0xFF00
             collisions.append(handle)
         frames = [origin_of(each) for each in seen]
-        if not seen:
+        if not seen and self.options & CREATE_VISUALS:
             # Of a link that touches and is not seen, what touches is copied: a body besides, that falls.
             masses = [self.scene.at(handle).mass for handle in collisions] or [1e-5]
             visuals = [self.scene.add(Thing(SHAPE, mass=each, static=not touching)) for each in masses]
             frames = [np.eye(4)] * len(visuals)
         if inertial is not None and not touching:
             collisions, touching = [self.scene.add(Thing(SHAPE, mass=mass))], [ET.Element("collision")]
+        for handle, each in zip(visuals, seen, strict=False):
+            if handle != -1 and (colour := each.find("material/color")) is not None and colour.get("rgba") is not None:
+                self.scene.things[handle].colour = tuple(_numbers(colour.get("rgba"), [0.4, 0.4, 0.4, 0.0])[:3])
         link.visual = self._grouped(visuals, frames)
         link.respondable = self._grouped(collisions, [origin_of(each) for each in touching])
         if inertial is not None:
@@ -267,10 +292,13 @@ class _Import:
         return path.is_file() and path.suffix.lower() in MESHES
 
     def _grouped(self, shapes: list[int], frames: list[np.ndarray]) -> int:
+        """One shape of those that there are, in the frame of the first of them."""
         there = [(handle, frame) for handle, frame in zip(shapes, frames, strict=False) if handle != -1]
         if not there:
             return -1
-        ((handle, frame),) = there  # The files of the tests have one for each link.
+        handle, frame = there[0]
+        for other, _ in there[1:]:
+            self.scene.things[handle].mass += self.scene.things.pop(other).mass
         self.scene.place(handle, frame)
         return handle
 
@@ -282,6 +310,15 @@ class _Import:
             turned[axis, axis] = max(turned[axis, axis], 1e-8)
         shape.mass, shape.inertia = mass, tuple(float(number) for number in (turned * mass).reshape(9))
         shape.com = transform(xyz=in_shape[:3, 3])
+
+    def _alternate(self, handle: int, *, bit: bool) -> None:
+        thing = self.scene.things[handle]
+        if thing.kind == SHAPE and thing.respondable:
+            thing.mask = 0xFF01 if bit else 0xFF02
+            bit = not bit
+        for each, other in self.scene.things.items():
+            if other.parent == handle:
+                self._alternate(each, bit=bit)
 
 
 # --- Elements ---------------------------------------------------------------------------------------------------------
@@ -296,9 +333,18 @@ def _link_of(joint: Any, tag: str) -> str:
     return "" if element is None else str(element.get("link", ""))
 
 
+def _number(text: str) -> float:
+    if text != text.strip():
+        return 0.0
+    try:
+        return float(text)
+    except ValueError:
+        return 0.0
+
+
 def _numbers(text: str | None, default: list[float]) -> list[float]:
     """As many numbers as there are words, and the defaults behind them."""
-    numbers = [float(word) for word in (text or "").split()]
+    numbers = [_number(word) for word in (text or "").split()]
     return [*numbers, *default[len(numbers) :]]
 
 
@@ -316,16 +362,18 @@ def _joint_thing(element: Any) -> Thing:
     kind, name = element.get("type"), element.get("name", "")
     if kind == "fixed":
         return Thing(FORCE_SENSOR, _alias(name))
+    if kind not in {"revolute", "continuous", "prismatic"}:
+        return Thing(DUMMY, _alias(name))
     prismatic = kind == "prismatic"
     joint = Thing(JOINT, _alias(name), subtype=PRISMATIC if prismatic else REVOLUTE)
     limit = element.find("limit")
     words = {} if limit is None else dict(limit.attrib)
-    joint.force = float(words.get("effort", "2" if kind == "revolute" else "200"))
-    joint.velocity = float(words.get("velocity", "20"))
+    joint.force = _number(words.get("effort", "2" if kind == "revolute" else "200"))
+    joint.velocity = _number(words.get("velocity", "20"))
     if prismatic:
         joint.cyclic, joint.interval = False, (-0.5, 1.0)
     if kind != "continuous" and words.keys() & {"lower", "upper"}:
-        lower, upper = (float(words.get(end, "0")) for end in ("lower", "upper"))
+        lower, upper = (_number(words.get(end, "0")) for end in ("lower", "upper"))
         joint.limit(False, lower, upper - lower)
     return joint
 
@@ -350,10 +398,10 @@ def _mass_properties(inertial: Any) -> tuple[float, np.ndarray, np.ndarray]:
     if inertial is None:
         return 1.0, tensor, np.eye(4)
     element = inertial.find("mass")
-    mass = 0.0 if element is None else float(element.get("value", "0"))
+    mass = 0.0 if element is None else _number(element.get("value", "0"))
     if (inertia := inertial.find("inertia")) is not None:
         for row, column in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
-            number = float(inertia.get("i" + "xyz"[row] + "xyz"[column], "0"))
+            number = _number(inertia.get("i" + "xyz"[row] + "xyz"[column], "0"))
             tensor[row, column] = tensor[column, row] = number
     return mass if mass > 0.0 else 1.0, tensor if tensor.any() else np.eye(3) * 0.001, origin_of(inertial)
 

@@ -2,18 +2,28 @@
 
 The protocol is that of `coppeliasim_zmqremoteapi_client`: CBOR maps over a ZMQ REP socket, ``func`` and ``args`` in,
 ``ret`` or ``err`` out; the first request carries the version and the language. The scene keeps poses as 4x4 matrices
-in the parent, as CoppeliaSim does, and knows nothing of dh2urdf. Its importer is in `coppeliasim_importer`; `test_coppeliasim_arms` holds both against what CoppeliaSim 4.10.0 was seen to do.
+in the parent, as CoppeliaSim does, and knows nothing of dh2urdf. Its importer, with all faults of the real one, is in
+`coppeliasim_importer`; `test_coppeliasim_arms` holds both against what CoppeliaSim 4.10.0 was seen to do.
 """
 
 from __future__ import annotations
 
 import re
 import threading
-from functools import partial
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import zmq
-from coppeliasim_importer import JOINT, PRISMATIC, REVOLUTE, SHAPE, Crash, Scene, Thing, import_urdf, rows
+from coppeliasim_importer import (
+    JOINT,
+    PRISMATIC,
+    REVOLUTE,
+    SHAPE,
+    Crash,
+    Scene,
+    Thing,
+    import_urdf,
+    rows,
+)
 from coppeliasim_zmqremoteapi_client import cbor
 
 
@@ -34,16 +44,6 @@ class Peer:
     """
 
     BULLET, MUJOCO, NEWTON = 0, 4, 3
-    GETTERS: ClassVar[dict[str, str]] = {
-        "getObjectParent": "parent",
-        "getObjectType": "kind",
-        "getObjectAlias": "alias",
-        "getShapeMass": "mass",
-        "getJointType": "subtype",
-        "getJointTargetForce": "force",
-        "getJointPosition": "position",
-    }
-    """Functions of `sim` that tell one attribute of an object."""
     STEP = 0.05
 
     def __init__(self, *, running: bool = False, dies_at: str = "", blind: bool = False, old: bool = False) -> None:
@@ -94,7 +94,8 @@ class Peer:
             return {"err": f"{error}\t(in function '{request['func']}')".replace("\t", "_=TB=_")}
 
     def _call(self, name: str, arguments: list[Any], count: int) -> list[Any]:
-        assert count == len(arguments)
+        if count != len(arguments):
+            raise ValueError("the number of arguments is wrong")
         self.calls.append(name)
         space, _, function = name.partition(".")
         if name == "zmqRemoteApi.require":
@@ -110,7 +111,6 @@ class Peer:
         importers = {"import": self.import_file} if self.old else {"importFile": self.import_file}
         names = [name for name in dir(self) if name.startswith("sim_")]
         functions = {camel_case(name.removeprefix("sim_")): getattr(self, name) for name in names}
-        functions |= {name: partial(self._told, attribute) for name, attribute in self.GETTERS.items()}
         return {"simURDF": importers, "sim": functions}
 
     def _info(self, space: str) -> dict[str, Any]:
@@ -132,6 +132,7 @@ class Peer:
                 "shapeintparam_static": 3003,
                 "shapeintparam_respondable": 3004,
                 "shapeintparam_respondable_mask": 3019,
+                "colorcomponent_ambient_diffuse": 0,
             }
         functions: dict[str, Any] = {name: {"func": {}} for name in self._functions()[space]}
         return functions | {name: {"const": value} for name, value in constants.items()}
@@ -148,7 +149,8 @@ class Peer:
     # two seconds while the joints tell of 0.09 rad, and an engine that is not there moves nothing and says nothing.
 
     def sim_set_int32_param(self, parameter: int, value: int) -> list[Any]:
-        assert parameter == 8
+        if parameter != 8:
+            raise ValueError("no such parameter")
         self.engine = value
         return []
 
@@ -168,8 +170,8 @@ class Peer:
         return [self.running and self.engine in (self.BULLET, self.MUJOCO) and self.scene.things[handle].kind == JOINT]
 
     def sim_step(self) -> list[Any]:
-        assert self.running
-        assert self.stepping
+        if not (self.running and self.stepping):
+            raise ValueError("no simulation that is stepped")
         self.time += self.STEP
         if self.engine == self.BULLET:
             joints = [thing for thing in self.scene.things.values() if thing.kind == JOINT]
@@ -191,15 +193,33 @@ class Peer:
         self._joint(handle)
         return []
 
-    def sim_get_objects_in_tree(self, _scene: int) -> list[Any]:
-        return [list(self.scene.things)]
+    def sim_get_objects_in_tree(self, tree: int) -> list[Any]:
+        return [list(self.scene.things) if tree == -12 else self.scene.tree(tree)]
+
+    def sim_get_object_parent(self, handle: int) -> list[Any]:
+        return [self.scene.things[handle].parent]
+
+    def sim_get_object_type(self, handle: int) -> list[Any]:
+        return [self.scene.things[handle].kind]
+
+    def sim_get_object_alias(self, handle: int) -> list[Any]:
+        return [self.scene.things[handle].alias]
+
+    def sim_get_joint_type(self, handle: int) -> list[Any]:
+        return [self._joint(handle).subtype]
 
     def sim_get_joint_interval(self, handle: int) -> list[Any]:
         joint = self._joint(handle)
         return [joint.cyclic, list(joint.interval)]
 
+    def sim_get_joint_target_force(self, handle: int) -> list[Any]:
+        return [self._joint(handle).force]
+
     def sim_get_object_float_param(self, handle: int, parameter: int) -> list[Any]:
         return [{2017: self._joint(handle).velocity}[parameter]]
+
+    def sim_get_joint_position(self, handle: int) -> list[Any]:
+        return [self._joint(handle).position]
 
     def sim_set_joint_position(self, handle: int, position: float) -> list[Any]:
         self._joint(handle).move(position)
@@ -208,6 +228,12 @@ class Peer:
     def sim_set_joint_interval(self, handle: int, cyclic: bool, interval: list[float]) -> list[Any]:  # noqa: FBT001
         self._joint(handle).limit(cyclic, *interval)
         return []
+
+    def sim_get_shape_color(self, handle: int, _name: None, _component: int) -> list[Any]:
+        return [1, list(self.scene.things[handle].colour)]
+
+    def sim_get_shape_mass(self, handle: int) -> list[Any]:
+        return [self.scene.things[handle].mass]
 
     def sim_get_shape_inertia(self, handle: int) -> list[Any]:
         shape = self.scene.things[handle]
@@ -218,7 +244,8 @@ class Peer:
         return [{3003: int(shape.static), 3004: int(shape.respondable), 3019: shape.mask}[parameter]]
 
     def sim_get_object_matrix(self, handle: int, relative_to: int) -> list[Any]:
-        assert relative_to == -1
+        if relative_to != -1:
+            raise ValueError("asked in another frame")
         return [rows(self.scene.world(handle))]
 
     def sim_remove_objects(self, handles: list[int]) -> list[Any]:
@@ -226,18 +253,16 @@ class Peer:
             del self.scene.things[handle]
         return []
 
-    def _told(self, attribute: str, handle: int) -> list[Any]:
-        return [getattr(self.scene.things[handle], attribute)]
-
     def _joint(self, handle: int) -> Thing:
-        assert self.scene.things[handle].kind == JOINT
+        if self.scene.things[handle].kind != JOINT:
+            raise ValueError("no joint")
         return self.scene.things[handle]
 
     # The importer
 
     def import_file(self, text: str, options: int = 0, _package: str = "") -> list[Any]:
         self.options = options
-        return import_urdf(self.scene, text, blind=self.blind)
+        return import_urdf(self.scene, text, options, blind=self.blind)
 
 
 def camel_case(name: str) -> str:

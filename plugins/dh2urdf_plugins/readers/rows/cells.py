@@ -66,7 +66,7 @@ class CellReader:
                 self._note(code, cell, name, number, count=len(cell.text), most=MAX_TEXT, start=start)
                 return None
             if name == "type" and (kind := columns.types.get(cell.text.casefold())):
-                cell = cell._replace(text=kind.value)
+                cell = cell._replace(text=kind.value, typed=cell.text)
             if is_name and "#" in cell.text and re.match(SPREADSHEET_ERROR, cell.text):
                 self._note("spreadsheet-error", cell, name, number)
             parts = dict.fromkeys(FIELDS[name].columns, cell)
@@ -100,7 +100,7 @@ class CellReader:
                 self.reader.add(problem)
             if isinstance(value, str):
                 text = self._with_point(cell._replace(text=text))
-        return cell if text == cell.text else cell._replace(text=text)
+        return cell if text == cell.text else cell._replace(text=text, typed=cell.text)
 
     # --- Decimal signs ------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.columns import COM, INERTIA, ROW_FIELDS
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError, TableError
-from dh2urdf.quantities import Dimension
+from dh2urdf.quantities import Dimension, plain_text
 from dh2urdf.source import Messages
 from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, MESHES, Place, TableText, Trace, WrittenTable
 from dh2urdf.table_text.texts import yaml_word
@@ -163,7 +163,12 @@ def _entries(row: Mapping[str, str]) -> Iterator[str]:
 
 
 def typed_texts(path: Path) -> Iterator[TableText]:
-    """The tables of a file as their authors typed them, as far as cells and statements say it; see `WritesTables`."""
+    """The tables of a file as their authors typed them, as far as cells and statements say it; see `WritesTables`.
+
+    There are none of a table in a text of another form whose cells are typeset for a page, or whose units a sentence
+    declares.
+    """
+    is_own = path.suffix.lower() in (".csv", ".tsv", *_DOCUMENTS)
     read, trace = read_documents if path.suffix.lower() in _DOCUMENTS else read_file, Trace()
     for found in read(path, TableOptions(), trace):
         said = {key: trace.table[key].text or "" for key in _STATED if key in trace.table}
@@ -173,7 +178,10 @@ def typed_texts(path: Path) -> Iterator[TableText]:
             named = [*units.intersection(known)] or [stated.text if stated else None]
             said |= {f"{key}_unit": named[0]} if len(named) == 1 and named[0] in known else {}
         rows = tuple({field: cell.text or "" for field, cell in row.items() if field in FIELDS} for row in trace.rows)
-        yield TableText(**said | {"name": found.name}, rows=rows)
+        is_typeset = any(plain_text(text) != text for row in rows for text in row.values())
+        by_sentence = any(notice.code == "declared-by-sentences" for notice in found.notices)
+        if is_own or not (is_typeset or by_sentence):
+            yield TableText(**said | {"name": found.name}, rows=rows)
         trace.rows, trace.table = (), {}
 
 

@@ -57,9 +57,9 @@ class Remembered:
         kept: what it has given so far.
     """
 
-    def __init__(self, source: Iterator[Any]) -> None:
+    def __init__(self, source: Iterator[Any], lock: RLock) -> None:
         self.kept: list[Any] = []
-        self._source, self._lock = source, RLock()
+        self._source, self._lock = source, lock
 
     def __iter__(self) -> Iterator[Any]:
         for place in count():
@@ -80,27 +80,17 @@ class PluginStages:
         self._manager.add_hookspecs(hookspecs)
         self._hooks: dict[Plugin, dict[str, Callable[[], Any]] | None] = {}
         self._found: dict[tuple[str, Plugin], Remembered] = {}
+        self._lock = RLock()  # One thread at a time imports plugins and asks them: the others wait for what it finds.
 
     def of(self, kind: str, plugin: Plugin) -> Iterable[Any]:
         """The records of a kind that a plugin gives; it is imported unless its entry point names another one.
 
         Those of dh2urdf itself are made one after the other, as far as somebody looks.
         """
-        if (kind, plugin) not in self._found:
-            self._found[kind, plugin] = Remembered(iter(()))
-            only = declared(plugin)
-            try:
-                if only is None or only[0] == kind:
-                    records = self._records(kind, plugin, only[1] if only else None)
-                    self._found[kind, plugin] = Remembered(
-                        iter(list(records)) if only or not plugin.is_builtin else records
-                    )
-            except KeyboardInterrupt:
-                raise
-            except BaseException as error:  # noqa: BLE001 - an import runs anything, and may raise anything
-                told = reason_of(error), traceback_of(error)
-                self.broken.append(BrokenPluginError(plugin.name, plugin.distribution, *told))
-        return self._found[kind, plugin]
+        with self._lock:
+            if (kind, plugin) not in self._found:
+                self._found[kind, plugin] = Remembered(self._asked(kind, plugin), self._lock)
+            return self._found[kind, plugin]
 
     def known(self, kind: Kind, name: str, plugin: Plugin) -> bool:
         """Whether it is known that a plugin has a stage, without an import of it."""
@@ -113,10 +103,26 @@ class PluginStages:
         Raises:
             LookupError: none did.
         """
-        for (_, plugin), found in self._found.items():
-            if any(given is stage for given in found.kept):
-                return plugin
+        with self._lock:
+            for (_, plugin), found in self._found.items():
+                if any(given is stage for given in found.kept):
+                    return plugin
         raise LookupError(stage.name)
+
+    def _asked(self, kind: str, plugin: Plugin) -> Iterator[Any]:
+        """Return the records of a kind that a plugin gives; none where its entry point names another, or it fails."""
+        only = declared(plugin)
+        if only is not None and only[0] != kind:
+            return iter(())
+        records = self._records(kind, plugin, only[1] if only else None)
+        try:
+            return records if plugin.is_builtin and not only else iter(list(records))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # noqa: BLE001 - an import runs anything, and may raise anything
+            told = reason_of(error), traceback_of(error)
+            self.broken.append(BrokenPluginError(plugin.name, plugin.distribution, *told))
+            return iter(())
 
     def _records(self, kind: str, plugin: Plugin, only: str | None) -> Iterator[Any]:
         """Yield the records that a plugin gives: all of them, or the one that its entry point names."""

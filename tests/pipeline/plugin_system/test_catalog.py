@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Event
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from other_fields import with_field
@@ -18,6 +20,7 @@ from dh2urdf.stages import Emitter, NoOptions, Reader, Traces
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
+    from importlib.metadata import EntryPoint
     from subprocess import CompletedProcess
 
 
@@ -90,6 +93,27 @@ HOOKS = (
     "the hooks are dh2urdf_readers, dh2urdf_transforms, dh2urdf_edits, dh2urdf_emitters, dh2urdf_loaders, "
     "dh2urdf_executors, dh2urdf_commands"
 )
+
+
+def test_threads_find_what_one_finds() -> None:
+    """While one thread imports a plugin for its readers, another asks for its emitters, and waits for them."""
+    importing, asked = Event(), Event()
+    given = plugin("both", dh2urdf_readers=lambda: [reader("r", ".r")], dh2urdf_emitters=lambda: [emitter("e", ".e")])
+
+    class Slow:
+        def load(self) -> ModuleType:
+            importing.set()
+            asked.wait(0.1)
+            return given.module  # type: ignore[no-any-return]
+
+    catalog = Catalog([Plugin(name="both = both", distribution="both 1.0", point=cast("EntryPoint", Slow()))])
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(names, catalog, "reader")
+        importing.wait()
+        second = pool.submit(names, catalog, "emitter")
+        found = second.result()
+        asked.set()
+    assert (first.result(), found) == (["r"], ["e"])
 
 
 class TestRecords:

@@ -369,7 +369,7 @@ BUDGETS = {
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 970,
     "pipeline/dh2urdf/output": 1540,
-    "pipeline/dh2urdf/plugin_system": 1800,
+    "pipeline/dh2urdf/plugin_system": 1810,
     "pipeline/dh2urdf/quantities": 1300,
     "pipeline/dh2urdf/report": 2120,
     "pipeline/dh2urdf/robot_check": 340,

@@ -22,6 +22,8 @@ MARKERS = ("#", "%", "//")
 """What a comment begins with: as in Python, in MATLAB and in C."""
 SIGNS = (*MARKERS, "\N{FULLWIDTH NUMBER SIGN}", "\N{FULLWIDTH PERCENT SIGN}")
 """What a line contains if it is a comment; East Asian keyboards have signs of full width."""
+_TOP_ONLY = ("%", "\N{FULLWIDTH PERCENT SIGN}")
+"""What only a line above the header begins with if it is a comment."""
 _QUOTED = "#>"
 """What a comment begins with whose words are those of another file."""
 
@@ -79,12 +81,13 @@ def within(place: Mark, position: int) -> Mark:
 def is_comment(line: str, *, top: bool = False) -> bool:
     """Whether a line is a comment by its first characters; an error of a spreadsheet begins with # too, and is none.
 
-    Above the header a comment may be in quotes, or in a column further right; below, a cell in quotes may be a name.
+    Above the header a comment may be in quotes, in a column further right, or begin with the % of MATLAB; below, a cell
+    in quotes may be a name, and one that begins with % is no comment, so that no row of a joint is lost.
     """
     start = _start_of(line)
     if start is None or (line[start.end() :][:1] != " " and re.match(SPREADSHEET_ERROR, line[start.start("sign") :])):
         return False
-    return top or not (start["quote"] or start["outer"].strip(_INVISIBLE))
+    return top or not (start["quote"] or start["outer"].strip(_INVISIBLE) or start["sign"] in _TOP_ONLY)
 
 
 def is_open(line: str) -> bool:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+
+from dh2urdf_plugins.options import option
 
 TRIALS = 10_000  # random states in which a pair that is `Never` does not touch; MoveIt's setup assistant tries as many
 MOST_TRIALS = 10_000_000
@@ -14,12 +16,9 @@ FARTHEST = 1.0
 class PairOptions:
     """How collision pairs are looked for."""
 
-    trials: int = field(default=TRIALS, metadata={"help": "random states in which pairs that never touch are sought"})
-    seed: int = field(default=0, metadata={"help": "seed of the random states; the same seed finds the same pairs"})
-    min_distance: float = field(
-        default=MIN_DISTANCE,
-        metadata={"help": "a pair that comes nearer than this is not Never [m]", "measures": "length"},
-    )
+    trials: int = option("random states in which pairs that never touch are sought", TRIALS)
+    seed: int = option("seed of the random states; the same seed finds the same pairs", 0)
+    min_distance: float = option("a pair that comes nearer than this is not Never [m]", MIN_DISTANCE, measures="length")
 
     def __post_init__(self) -> None:
         if not 1 <= self.trials <= MOST_TRIALS:

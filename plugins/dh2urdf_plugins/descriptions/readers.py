@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,6 +11,7 @@ from dh2urdf.errors import InputError, TableError
 from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Reader, ReadsDescriptions, Rejected
 from dh2urdf_plugins.extraction import TOLERANCE
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -25,48 +26,35 @@ say = Messages(__file__)
 _FINEST, _COARSEST = 1e-14, 1e-2
 
 
-def _of_extract(flag: str, text: str) -> dict[str, Any]:
-    """How `dh2urdf extract` alone has an option."""
-    return {"flag": flag, "commands": ("extract",), "help": text}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescriptionOptions:
     """What is left open by a robot description: which chain, and how its table is written."""
 
-    convention: Literal["standard", "modified"] = field(
-        default="standard", metadata={"flag": "C", "help": "standard (classic, distal) or modified (Craig, proximal)"}
+    convention: Literal["standard", "modified"] = option(
+        "standard (classic, distal) or modified (Craig, proximal)", "standard", flag="C"
     )
-    base_link: str | None = field(
-        default=None, metadata={"flag": "LINK", "help": "where the chain begins; the root by default"}
+    base_link: str | None = option("where the chain begins; the root by default", None, flag="LINK")
+    tip_link: str | None = option(
+        "where it ends; * for every leaf; tool0, tcp, flange, ee_link, *_tool0, *_tcp, or the only leaf by default",
+        None,
+        flag="LINK",
     )
-    tip_link: str | None = field(
-        default=None,
-        metadata={
-            "flag": "LINK",
-            "help": "where it ends; * for every leaf; tool0, tcp, flange, ee_link, *_tool0, *_tcp, or the only leaf by "
-            "default",
-        },
+    tolerance: float = option(
+        "how far the tip of the table may be from the file's [m, rad]", TOLERANCE, flag="T", commands=("extract",)
     )
-    tolerance: float = field(
-        default=TOLERANCE, metadata=_of_extract("T", "how far the tip of the table may be from the file's [m, rad]")
+    near_parallel: Literal["auto", "dh", "split"] = option(
+        "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)",
+        "auto",
+        flag="N",
+        commands=("extract",),
     )
-    near_parallel: Literal["auto", "dh", "split"] = field(
-        default="auto",
-        metadata=_of_extract(
-            "N", "of nearly parallel axes: dh (a large d), split (a fixed row), auto (dh up to 1000 arms)"
-        ),
+    rounded_pi: Literal["keep", "repair"] = option(
+        "repair reads 1.5708 in an orientation as pi/2", "keep", flag="R", commands=("extract",)
     )
-    rounded_pi: Literal["keep", "repair"] = field(
-        default="keep", metadata=_of_extract("R", "repair reads 1.5708 in an orientation as pi/2")
+    origins: Literal["fewest", "file"] = option(
+        "d of parallel axes: fewest that are not 0, or as the file's origins", "fewest", flag="O", commands=("extract",)
     )
-    origins: Literal["fewest", "file"] = field(
-        default="fewest",
-        metadata=_of_extract("O", "d of parallel axes: fewest that are not 0, or as the file's origins"),
-    )
-    package_paths: tuple[str, ...] = field(
-        default=(), metadata={"help": "ROS packages, or folders of some, with meshes and included files"}
-    )
+    package_paths: tuple[str, ...] = option("ROS packages, or folders of some, with meshes and included files", ())
 
     def __post_init__(self) -> None:
         if not _FINEST <= self.tolerance <= _COARSEST:
@@ -78,7 +66,7 @@ class DescriptionOptions:
 class XacroOptions(DescriptionOptions):
     """The same of a description with macros, and the values of its arguments."""
 
-    arguments: dict[str, str] | None = field(default=None, metadata={"help": "values of the file's arguments"})
+    arguments: dict[str, str] | None = option("values of the file's arguments", None)
 
 
 def _described(form: str, path: Path, options: DescriptionOptions) -> Description:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from dh2urdf.errors import EditError, TableError
 from dh2urdf.source import Messages
 from dh2urdf.stages import Edit
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
@@ -22,15 +23,14 @@ say = Messages(__file__)
 class CalibrateOptions:
     """The file of the differences."""
 
-    file: Path | None = field(
-        default=None,
-        metadata={"help": "calibration.conf of a UR, or a table of differences in a format of tables; required"},
+    file: Path | None = option(
+        "calibration.conf of a UR, or a table of differences in a format of tables; required", None
     )
-    length_unit: str | None = field(
-        default=None, metadata={"help": "unit of lengths that the table of differences does not declare; m by default"}
+    length_unit: str | None = option(
+        "unit of lengths that the table of differences does not declare; m by default", None
     )
-    angle_unit: str | None = field(
-        default=None, metadata={"help": "unit of angles that the table of differences does not declare; rad by default"}
+    angle_unit: str | None = option(
+        "unit of angles that the table of differences does not declare; rad by default", None
     )
 
     def __post_init__(self) -> None:

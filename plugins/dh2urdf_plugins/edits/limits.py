@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EditError
 from dh2urdf.rotations import agreed
 from dh2urdf.source import Messages, did_you_mean, shown
 from dh2urdf.stages import Edit, EditsInColumns
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Limits, Manipulator
@@ -23,17 +24,15 @@ _FACTORS = ("range", "velocity", "effort")
 class LimitsOptions:
     """What limits become. Limits that a table leaves out stay left out."""
 
-    range: float = field(default=1.0, metadata={"help": "factor of the range of a joint, about its middle"})
-    margin: float | str = field(
-        default=0.0,
-        metadata={
-            "help": "what is taken off both ends of the range, after the factor: a number [rad or m], or one with its "
-            "unit, such as 5 deg or 10 mm, which is about the joints that turn or those that slide"
-        },
+    range: float = option("factor of the range of a joint, about its middle", 1.0)
+    margin: float | str = option(
+        "what is taken off both ends of the range, after the factor: a number [rad or m], or one with its "
+        "unit, such as 5 deg or 10 mm, which is about the joints that turn or those that slide",
+        0.0,
     )
-    velocity: float = field(default=1.0, metadata={"help": "factor of the largest speed"})
-    effort: float = field(default=1.0, metadata={"help": "factor of the largest torque or force"})
-    joints: tuple[str, ...] = field(default=(), metadata={"help": "names of the joints that are meant; all by default"})
+    velocity: float = option("factor of the largest speed", 1.0)
+    effort: float = option("factor of the largest torque or force", 1.0)
+    joints: tuple[str, ...] = option("names of the joints that are meant; all by default", ())
 
     def __post_init__(self) -> None:
         if wrong := [name for name in _FACTORS if not 0.0 < getattr(self, name) < math.inf]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import ZERO, Vec3
 from dh2urdf.source import Messages
 from dh2urdf.stages import Edit, EditsInColumns
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,19 +27,15 @@ _OPTICAL: Vec3 = (-math.pi / 2, 0.0, -math.pi / 2)
 class MountOptions:
     """What is mounted, and where."""
 
-    name: str = field(default="", metadata={"help": "name of the link; its joint is NAME_joint. Required"})
-    parent: str = field(default="tool0", metadata={"help": "link that holds it"})
-    xyz: Vec3 = field(default=ZERO, metadata={"help": "its origin in that link [m]", "measures": "length"})
-    rpy: Vec3 = field(default=ZERO, metadata={"help": "roll, pitch, yaw in that link [rad]", "measures": "angle"})
-    size: Vec3 | None = field(
-        default=None,
-        metadata={"help": "edges of a solid box about its origin [m]; a mere frame without", "measures": "length"},
+    name: str = option("name of the link; its joint is NAME_joint. Required", "")
+    parent: str = option("link that holds it", "tool0")
+    xyz: Vec3 = option("its origin in that link [m]", ZERO, measures="length")
+    rpy: Vec3 = option("roll, pitch, yaw in that link [rad]", ZERO, measures="angle")
+    size: Vec3 | None = option(
+        "edges of a solid box about its origin [m]; a mere frame without", None, measures="length"
     )
-    mass: float = field(default=0.0, metadata={"help": "mass of the box [kg]", "measures": "mass"})
-    optical: bool = field(
-        default=False,
-        metadata={"help": "whether NAME_optical_frame is there too, of REP 103: z forward, x right, y down"},
-    )
+    mass: float = option("mass of the box [kg]", 0.0, measures="mass")
+    optical: bool = option("whether NAME_optical_frame is there too, of REP 103: z forward, x right, y down", False)
 
     def __post_init__(self) -> None:
         if self.size is not None and not all(0.0 < edge < math.inf for edge in self.size):

@@ -7,12 +7,13 @@ its own, ``payload``, on a fixed joint at tool0, and counts it among what the jo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.rotations import Vec3
 from dh2urdf.source import Messages
 from dh2urdf.stages import Edit, EditsInColumns
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.manipulator import Inertia, Manipulator
@@ -24,24 +25,16 @@ say = Messages(__file__)
 class PayloadOptions:
     """What the arm carries."""
 
-    mass: float | None = field(
-        default=None, metadata={"help": "its mass [kg]; there is no payload without a mass", "measures": "mass"}
+    mass: float | None = option("its mass [kg]; there is no payload without a mass", None, measures="mass")
+    com: Vec3 = option("its centre of mass in tool0 [m]", (0.0, 0.0, 0.0), measures="length")
+    inertia: tuple[float, float, float, float, float, float] | None = option(
+        "ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, axes of tool0 [kg·m²]; without inertia, "
+        "size and radius the payload is a solid ball of the links' density",
+        None,
+        measures="moment of inertia",
     )
-    com: Vec3 = field(
-        default=(0.0, 0.0, 0.0), metadata={"help": "its centre of mass in tool0 [m]", "measures": "length"}
-    )
-    inertia: tuple[float, float, float, float, float, float] | None = field(
-        default=None,
-        metadata={
-            "help": "ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, axes of tool0 [kg·m²]; without inertia, "
-            "size and radius the payload is a solid ball of the links' density",
-            "measures": "moment of inertia",
-        },
-    )
-    size: Vec3 | None = field(
-        default=None, metadata={"help": "edges of a solid box along the axes of tool0 [m]", "measures": "length"}
-    )
-    radius: float | None = field(default=None, metadata={"help": "radius of a solid ball [m]", "measures": "length"})
+    size: Vec3 | None = option("edges of a solid box along the axes of tool0 [m]", None, measures="length")
+    radius: float | None = option("radius of a solid ball [m]", None, measures="length")
 
     def __post_init__(self) -> None:
         given = [name for name in ("inertia", "size", "radius") if getattr(self, name) is not None]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from dh2urdf.errors import EditError
 from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Edit, EditsInColumns
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -22,16 +23,10 @@ say = Messages(__file__)
 class RenameOptions:
     """How names change: first by the pattern, then the prefix is put before them."""
 
-    prefix: str = field(default="", metadata={"help": "text before every name, such as left_"})
-    pattern: str = field(
-        default="", metadata={"help": "regular expression of Python: what it matches in a name is replaced"}
-    )
-    replacement: str = field(
-        default="", metadata={"help": r"text in place of each match; \1 is the pattern's first group"}
-    )
-    of: Literal["all", "joints", "links"] = field(
-        default="all", metadata={"help": "which names: those of joints, of links, or all"}
-    )
+    prefix: str = option("text before every name, such as left_", "")
+    pattern: str = option("regular expression of Python: what it matches in a name is replaced", "")
+    replacement: str = option(r"text in place of each match; \1 is the pattern's first group", "")
+    of: Literal["all", "joints", "links"] = option("which names: those of joints, of links, or all", "all")
 
     def __post_init__(self) -> None:
         if self.replacement and not self.pattern:

@@ -12,7 +12,7 @@ import os
 import threading
 import time
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -21,6 +21,7 @@ from dh2urdf.isolation import is_own
 from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Executor, Lost, Requires
 from dh2urdf_plugins.executors.local import processors
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -53,12 +54,11 @@ _VERSIONS = """{
 class DaskOptions:
     """Which cluster works."""
 
-    scheduler: str | None = field(
-        default=None,
-        metadata={"help": "address of a Dask scheduler, such as tcp://host:8786; none: a cluster on this machine"},
+    scheduler: str | None = option(
+        "address of a Dask scheduler, such as tcp://host:8786; none: a cluster on this machine", None
     )
-    workers: Literal["auto"] | int = field(
-        default="auto", metadata={"help": "processes of the cluster on this machine; auto takes one per processor"}
+    workers: Literal["auto"] | int = option(
+        "processes of the cluster on this machine; auto takes one per processor", "auto"
     )
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import chain, islice
 from operator import length_hint
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,6 +22,7 @@ from dh2urdf.errors import ExecutorError, PluginError
 from dh2urdf.isolation import claim
 from dh2urdf.source import Messages, printable
 from dh2urdf.stages import Executor, Lost, Usual
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -41,9 +42,8 @@ _LAST_WORDS = 300  # characters of what a worker printed that a reason repeats
 class LocalOptions:
     """How many processes work."""
 
-    workers: Literal["auto"] | int = field(
-        default="auto",
-        metadata={"help": "processes; 1 works in the process itself, which a crash ends; auto takes one per processor"},
+    workers: Literal["auto"] | int = option(
+        "processes; 1 works in the process itself, which a crash ends; auto takes one per processor", "auto"
     )
 
     def __post_init__(self) -> None:

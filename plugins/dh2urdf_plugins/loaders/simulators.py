@@ -7,7 +7,7 @@ what was printed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from dh2urdf.errors import MissingDependencyError
 from dh2urdf.source import Messages, Problem, shown
 from dh2urdf.stages import LOAD_TIME_LIMIT, Inspects, Loader, ReadsOutput, Requires, Reusable
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.stages import HeldRobot, LoadReport, LoadRequest, Question
@@ -30,7 +31,7 @@ PORT = 23000  # where CoppeliaSim listens by default
 class SimulatorOptions:
     """What is measured in a simulator."""
 
-    poses: int = field(default=25, metadata={"help": "random joint vectors at which tool0 is compared with the table"})
+    poses: int = option("random joint vectors at which tool0 is compared with the table", 25)
 
     def __post_init__(self) -> None:
         if self.poses < 1:
@@ -41,14 +42,14 @@ class SimulatorOptions:
 class PictureOptions(SimulatorOptions):
     """What is done in a simulator that takes pictures."""
 
-    picture: bool = field(default=True, metadata={"help": "write a picture of the arm beside its files"})
+    picture: bool = option("write a picture of the arm beside its files", True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PyBulletOptions(PictureOptions):
     """What is done in PyBullet."""
 
-    gui: bool = field(default=False, metadata={"help": "show the arm in a window, and wait until it is closed"})
+    gui: bool = option("show the arm in a window, and wait until it is closed", False)
 
     @property
     def time_limit(self) -> float | None:
@@ -60,14 +61,12 @@ class PyBulletOptions(PictureOptions):
 class CoppeliaSimOptions(SimulatorOptions):
     """Which CoppeliaSim is asked, and what is done there."""
 
-    host: str = field(default="localhost", metadata={"help": "where CoppeliaSim runs"})
-    port: int = field(default=PORT, metadata={"help": "port of its ZMQ remote API"})
-    engine: Engine | None = field(
-        default=None,
-        metadata={
-            "help": "engine of a hold test of two seconds, such as mujoco; none is done by default. "
-            "bullet, which CoppeliaSim takes by itself, was seen to let joints come apart"
-        },
+    host: str = option("where CoppeliaSim runs", "localhost")
+    port: int = option("port of its ZMQ remote API", PORT)
+    engine: Engine | None = option(
+        "engine of a hold test of two seconds, such as mujoco; none is done by default. "
+        "bullet, which CoppeliaSim takes by itself, was seen to let joints come apart",
+        None,
     )
 
     def __post_init__(self) -> None:

@@ -2,58 +2,54 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import TableError
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.source import Problem
-
-
-def _flag(value: str, text: str, *, repeatable: bool = False) -> Any:  # noqa: ANN401 - what dataclasses take for a default
-    return field(default=None, metadata={"flag": value, "help": text, "repeatable": repeatable})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableOptions:
     """What a table does not say itself; what it does say must not contradict it."""
 
-    convention: str | None = _flag("C", "standard (classic, distal) or modified (Craig, proximal)")
-    length_unit: str | None = _flag("UNIT", "unit of lengths: m, cm, mm, in …; m by default")
-    angle_unit: str | None = _flag("UNIT", "unit of angles: rad or deg; rad by default")
-    units: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}"
+    convention: str | None = option("standard (classic, distal) or modified (Craig, proximal)", None, flag="C")
+    length_unit: str | None = option("unit of lengths: m, cm, mm, in …; m by default", None, flag="UNIT")
+    angle_unit: str | None = option("unit of angles: rad or deg; rad by default", None, flag="UNIT")
+    units: str | dict[str, Any] | list[Any] | None = option(
+        "units by what they measure: {length: mm, angle: deg, inertia: kg·mm²}", None, flag="YAML"
     )
-    base: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}"
+    base: str | dict[str, Any] | list[Any] | None = option(
+        "transform from base_link to the first DH frame: {xyz: [0, 0, 0.3], rpy: …}", None, flag="YAML"
     )
-    tool: str | dict[str, Any] | list[Any] | None = _flag(
-        "YAML", "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}"
+    tool: str | dict[str, Any] | list[Any] | None = option(
+        "transform from the last DH frame to tool0: {xyz: [0, 0, 0.1], rpy: …}", None, flag="YAML"
     )
-    payload: str | dict[str, Any] | None = _flag(
-        "YAML", "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}"
+    payload: str | dict[str, Any] | None = option(
+        "what the arm carries at tool0: {mass: 2.5, com: [0, 0, 0.05], inertia: …}", None, flag="YAML"
     )
-    symbol: str | dict[str, Any] | list[Any] | None = _flag(
-        "NAME=LENGTH", "what a name in cells stands for, such as L1=91mm; repeatable", repeatable=True
+    symbol: str | dict[str, Any] | list[Any] | None = option(
+        "what a name in cells stands for, such as L1=91mm; repeatable", None, flag="NAME=LENGTH", repeatable=True
     )
-    ignore: str | list[Any] | None = _flag("COLUMN", "a column that is left out; repeatable", repeatable=True)
-    rounded_pi: Literal["keep", "repair"] = field(
-        default="keep", metadata={"flag": "R", "help": "repair reads 1.5708 in an angle as pi/2"}
+    ignore: str | list[Any] | None = option(
+        "a column that is left out; repeatable", None, flag="COLUMN", repeatable=True
     )
-    in_convention: Literal["standard", "modified"] | None = field(
-        default=None, metadata={"help": "the same arm in this convention, with other rows: standard or modified"}
+    rounded_pi: Literal["keep", "repair"] = option("repair reads 1.5708 in an angle as pi/2", "keep", flag="R")
+    in_convention: Literal["standard", "modified"] | None = option(
+        "the same arm in this convention, with other rows: standard or modified", None
     )
-    calibration: Path | None = _flag("FILE", "differences that are added to the rows: a calibration.conf, or a table")
-    columns: str | list[Any] | None = _flag(
-        "NAMES", "the columns of a table without a header, in their order: theta,d,a,alpha"
+    calibration: Path | None = option(
+        "differences that are added to the rows: a calibration.conf, or a table", None, flag="FILE"
     )
-    table_number: int | None = _flag("N", "which of several tables in one file is read, counted from 1")
-    mesh_links: bool = field(
-        default=False,
-        metadata={"help": "whether meshes may be links out of the table's folder, such as to shared ones"},
+    columns: str | list[Any] | None = option(
+        "the columns of a table without a header, in their order: theta,d,a,alpha", None, flag="NAMES"
     )
+    table_number: int | None = option("which of several tables in one file is read, counted from 1", None, flag="N")
+    mesh_links: bool = option("whether meshes may be links out of the table's folder, such as to shared ones", False)
 
     @property
     def column_names(self) -> list[str]:
@@ -86,9 +82,7 @@ class TableOptions:
 class XlsxOptions(TableOptions):
     """What a workbook does not say itself."""
 
-    sheet: str | None = field(
-        default=None, metadata={"help": "title of the sheet to read; every sheet with a table by default"}
-    )
+    sheet: str | None = option("title of the sheet to read; every sheet with a table by default", None)
 
 
 def ignored_columns(options: TableOptions) -> frozenset[str]:

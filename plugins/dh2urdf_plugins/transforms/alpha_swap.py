@@ -7,11 +7,12 @@ What makes the robots is imported when it is called.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from dh2urdf.stages import Compares, KeepsKinematics, Transform, TransformsInColumns, Usual
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 Shape: TypeAlias = Literal["cylinder", "box", "capsule", "arm"]
 
@@ -20,98 +21,66 @@ Shape: TypeAlias = Literal["cylinder", "box", "capsule", "arm"]
 class AlphaSwapOptions:
     """How a robot is made of a table. What the table itself declares about shapes and densities goes first."""
 
-    variant: Literal["exact", "paper"] = field(
-        default="exact",
-        metadata={
-            "flag": "V",
-            "help": "exact: the arm of the table, always; "
-            "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x",
-        },
+    variant: Literal["exact", "paper"] = option(
+        "exact: the arm of the table, always; "
+        "paper: the algorithm of the paper, bit-true, for reproduction only: it drops signs and offsets along x",
+        "exact",
+        flag="V",
     )
-    frames: Literal["aligned", "dh"] = field(
-        default="aligned",
-        metadata={
-            "flag": "F",
-            "help": "exact variant: link frames parallel to the base at joint values 0 (aligned), "
-            "or the frames of the DH table (dh)",
-        },
+    frames: Literal["aligned", "dh"] = option(
+        "exact variant: link frames parallel to the base at joint values 0 (aligned), "
+        "or the frames of the DH table (dh)",
+        "aligned",
+        flag="F",
     )
-    near_parallel: Literal["dh", "split"] = field(
-        default="dh",
-        metadata={
-            "help": "exact variant: nearly parallel axes as the table has them (dh), or with a fixed row between them, "
-            "so that links are of the arm's own size (split): for tables of calibrated arms"
-        },
+    near_parallel: Literal["dh", "split"] = option(
+        "exact variant: nearly parallel axes as the table has them (dh), or with a fixed row between them, "
+        "so that links are of the arm's own size (split): for tables of calibrated arms",
+        "dh",
     )
-    shape: Shape = field(
-        default="cylinder",
-        metadata={
-            "help": "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps, "
-            "an arm has a housing at each joint and thinner tubes between them"
-        },
+    shape: Shape = option(
+        "exact variant: what links are drawn as; a capsule is a cylinder with sphere caps, "
+        "an arm has a housing at each joint and thinner tubes between them",
+        "cylinder",
     )
-    radius: float | None = field(
-        default=None,
-        metadata={
-            "help": "exact variant: radius of the links, half the thickness of boxes [m]; "
-            "by default 0.04 or a tenth of the longest segment, whichever is smaller",
-            "measures": "length",
-        },
+    radius: float | None = option(
+        "exact variant: radius of the links, half the thickness of boxes [m]; "
+        "by default 0.04 or a tenth of the longest segment, whichever is smaller",
+        None,
+        measures="length",
     )
-    density: float = field(
-        default=2700.0,
-        metadata={"help": "density of links without a mass [kg/m³]; the default is aluminium", "measures": "density"},
+    density: float = option(
+        "density of links without a mass [kg/m³]; the default is aluminium", 2700.0, measures="density"
     )
-    inertias: Literal["keep", "repair", "recompute"] = field(
-        default="keep",
-        metadata={
-            "flag": "HOW",
-            "help": "what becomes of inertias that no body has, as some are published: they are refused (keep), the "
-            "nearest that a body can have is used (repair), or that of the drawn shape at the stated mass (recompute)",
-        },
+    inertias: Literal["keep", "repair", "recompute"] = option(
+        "what becomes of inertias that no body has, as some are published: they are refused (keep), the "
+        "nearest that a body can have is used (repair), or that of the drawn shape at the stated mass (recompute)",
+        "keep",
+        flag="HOW",
     )
-    inertia_floor: float | None = field(
-        default=None,
-        metadata={
-            "help": "smallest principal moment of a repaired inertia [kg·m²]; with it, moments of 0, as makers print "
-            "them for small links, are repaired also where other inertias are kept",
-            "measures": "moment of inertia",
-        },
+    inertia_floor: float | None = option(
+        "smallest principal moment of a repaired inertia [kg·m²]; with it, moments of 0, as makers print "
+        "them for small links, are repaired also where other inertias are kept",
+        None,
+        measures="moment of inertia",
     )
-    base_collision: bool = field(
-        default=False,
-        metadata={"help": "give the base a collision shape; it may touch the first links in simulators"},
+    base_collision: bool = option("give the base a collision shape; it may touch the first links in simulators", False)
+    base_frame: bool = option(
+        "add the frame `base` of ROS (REP 199): the DH frame before the first row, where the base "
+        "transform of the table puts it",
+        False,
     )
-    base_frame: bool = field(
-        default=False,
-        metadata={
-            "help": "add the frame `base` of ROS (REP 199): the DH frame before the first row, where the base "
-            "transform of the table puts it"
-        },
+    visuals: Literal["all", "none"] = option(
+        "whether links are seen; none is for learning runs: the masses stay as they are", "all"
     )
-    visuals: Literal["all", "none"] = field(
-        default="all",
-        metadata={"help": "whether links are seen; none is for learning runs: the masses stay as they are"},
+    collisions: Literal["all", "none"] = option("whether links have collision shapes", "all")
+    damping: float | None = option("viscous friction of joints without one [N·m·s/rad, N·s/m]; none by default", None)
+    friction: float | None = option("static friction of joints without one [N·m, N]; none by default", None)
+    armature: float | None = option(
+        "inertia of the rotors of joints without one [kg·m², kg]; none by default; URDF has no place for it", None
     )
-    collisions: Literal["all", "none"] = field(default="all", metadata={"help": "whether links have collision shapes"})
-    damping: float | None = field(
-        default=None, metadata={"help": "viscous friction of joints without one [N·m·s/rad, N·s/m]; none by default"}
-    )
-    friction: float | None = field(
-        default=None, metadata={"help": "static friction of joints without one [N·m, N]; none by default"}
-    )
-    armature: float | None = field(
-        default=None,
-        metadata={
-            "help": "inertia of the rotors of joints without one [kg·m², kg]; none by default; URDF has no place for it"
-        },
-    )
-    snap: float = field(
-        default=1e-3,
-        metadata={
-            "help": "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it",
-            "measures": "angle",
-        },
+    snap: float = option(
+        "paper variant: how far alpha may be from 0, ±pi/2 and pi [rad] to be taken for it", 1e-3, measures="angle"
     )
 
     def __post_init__(self) -> None:

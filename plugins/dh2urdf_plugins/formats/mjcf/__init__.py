@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 from dh2urdf.stages import Emitter, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MjcfOptions:
     """What moves the arm, and what of it does not touch."""
 
-    actuators: Literal["position", "motor", "none"] = field(
-        default="position",
-        metadata={"help": "position: servos that hold the arm; motor: torques and forces; all within the efforts"},
+    actuators: Literal["position", "motor", "none"] = option(
+        "position: servos that hold the arm; motor: torques and forces; all within the efforts", "position"
     )
-    excludes: Literal["home", "neighbours", "touching"] = field(
-        default="home",
-        metadata={
-            "help": "links without contacts: neighbours; home: also links that touch where the arm starts; "
-            "touching: also links that always touch, for which pinocchio is needed"
-        },
+    excludes: Literal["home", "neighbours", "touching"] = option(
+        "links without contacts: neighbours; home: also links that touch where the arm starts; "
+        "touching: also links that always touch, for which pinocchio is needed",
+        "home",
     )
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_sdf, read_sdf
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Robot
@@ -18,10 +19,7 @@ if TYPE_CHECKING:
 class SdfOptions:
     """How the model is placed in a world."""
 
-    fixed: bool = field(
-        default=True,
-        metadata={"help": "hold the arm on the world, where it is spawned; without, something else has to hold it"},
-    )
+    fixed: bool = option("hold the arm on the world, where it is spawned; without, something else has to hold it", True)
 
 
 def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:

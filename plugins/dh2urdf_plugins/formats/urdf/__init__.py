@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
 from dh2urdf_plugins.formats import checks, foreign_urdf, read_urdf, read_urdfs
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +27,7 @@ notices = Late(f"{__name__}.profiles:notices_of")
 class UrdfOptions:
     """What a URDF is written for."""
 
-    profile: ProfileName = field(default="portable", metadata={"flag": "P", "help": PROFILE_HELP})
+    profile: ProfileName = option(PROFILE_HELP, "portable", flag="P")
 
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from dh2urdf.stages import Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_xacro, read_xacro
 from dh2urdf_plugins.formats.urdf import PROFILE_HELP, ProfileName, notices
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class XacroOptions:
     """How a xacro is laid out."""
 
-    single_file: bool = field(
-        default=False, metadata={"help": "write the macro and its call into one file instead of two"}
-    )
-    profile: ProfileName = field(default="portable", metadata={"flag": "P", "help": PROFILE_HELP})
+    single_file: bool = option("write the macro and its call into one file instead of two", False)
+    profile: ProfileName = option(PROFILE_HELP, "portable", flag="P")
 
 
 def one_file(options: XacroOptions) -> XacroOptions:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from dh2urdf.errors import ConfigError
@@ -12,6 +12,7 @@ from dh2urdf.source import Messages
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, WritesFolders
 from dh2urdf_plugins.formats import checks, read_foreign_xacro
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 from dh2urdf_plugins.packages.srdf import SrdfOptions
 
 say = Messages(__file__)
@@ -40,34 +41,26 @@ _ACCEPTED = {
 class Ros2Options(SrdfOptions):
     """How the packages are named, what they drive, and how MoveIt plans."""
 
-    package: str = field(
-        default="", metadata={"help": "name of the robot in the names of its packages; by default that of the table"}
+    package: str = option("name of the robot in the names of its packages; by default that of the table", "")
+    maintainer: str = option("name of the maintainer in package.xml", "")
+    email: str = option("address of the maintainer in package.xml", "")
+    license: str = option("license in package.xml, as an SPDX identifier", "")
+    version: str = option("version in package.xml: three numbers", "0.1.0")
+    hardware: HardwareName = option(
+        "hardware of ros2_control that is the default of the description; none: no ros2_control", "mock"
     )
-    maintainer: str = field(default="", metadata={"help": "name of the maintainer in package.xml"})
-    email: str = field(default="", metadata={"help": "address of the maintainer in package.xml"})
-    license: str = field(default="", metadata={"help": "license in package.xml, as an SPDX identifier"})
-    version: str = field(default="0.1.0", metadata={"help": "version in package.xml: three numbers"})
-    hardware: HardwareName = field(
-        default="mock",
-        metadata={"help": "hardware of ros2_control that is the default of the description; none: no ros2_control"},
+    command_interfaces: tuple[Interface, ...] = option(
+        "what the hardware takes for each joint: position, and on request velocity and effort; the "
+        "trajectory controller commands positions",
+        ("position",),
     )
-    command_interfaces: tuple[Interface, ...] = field(
-        default=("position",),
-        metadata={
-            "help": "what the hardware takes for each joint: position, and on request velocity and effort; the "
-            "trajectory controller commands positions"
-        },
+    moveit: bool = option(
+        "also write the configuration of MoveIt, which trials, seed, min_distance and group are for", False
     )
-    moveit: bool = field(
-        default=False,
-        metadata={"help": "also write the configuration of MoveIt, which trials, seed, min_distance and group are for"},
-    )
-    acceleration: float | None = field(
-        default=None,
-        metadata={
-            "help": "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default each joint reaches its "
-            "full velocity in 0.5 s"
-        },
+    acceleration: float | None = option(
+        "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default each joint reaches its "
+        "full velocity in 0.5 s",
+        None,
     )
 
     @property

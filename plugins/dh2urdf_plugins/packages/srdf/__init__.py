@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.errors import ConfigError, InputError
 from dh2urdf.source import Mark, Messages
 from dh2urdf.stages import Annotates, EmittedFile, Emitter
 from dh2urdf_plugins.collision_pairs.options import PairOptions
+from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -28,10 +29,7 @@ _MACROS = ".xacro"
 class SrdfOptions(PairOptions):
     """How collision pairs are looked for, and what the group of joints is called."""
 
-    group: str = field(
-        default=GROUP,
-        metadata={"help": "name of the group from base_link to tool0; in a cell behind the prefix of each arm"},
-    )
+    group: str = option("name of the group from base_link to tool0; in a cell behind the prefix of each arm", GROUP)
 
 
 def emit(robot: Robot, stem: str, options: SrdfOptions) -> tuple[EmittedFile]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from dh2urdf.stages import Emitter, GivesNotices, OtherFiles, ReadsBack
 from dh2urdf_plugins.late import Late
+from dh2urdf_plugins.options import option
 
 Format: TypeAlias = Literal["yaml", "csv", "markdown", "latex", "json", "matlab", "roboticstoolbox"]
 
@@ -15,18 +16,16 @@ Format: TypeAlias = Literal["yaml", "csv", "markdown", "latex", "json", "matlab"
 class TableOptions:
     """What the stage ``table`` writes."""
 
-    formats: tuple[Format, ...] = field(
-        default=(),
-        metadata={
-            "help": "yaml, csv, markdown, latex, json, matlab (a rigidBodyTree) or roboticstoolbox (a DHRobot), "
-            "the main file first. Without formats, the suffix of the file chooses, else yaml."
-        },
+    formats: tuple[Format, ...] = option(
+        "yaml, csv, markdown, latex, json, matlab (a rigidBodyTree) or roboticstoolbox (a DHRobot), "
+        "the main file first. Without formats, the suffix of the file chooses, else yaml.",
+        (),
     )
-    length_unit: Literal["m", "cm", "mm"] = field(
-        default="m", metadata={"help": "Unit of lengths in yaml, csv, markdown and latex; the others are in m."}
+    length_unit: Literal["m", "cm", "mm"] = option(
+        "Unit of lengths in yaml, csv, markdown and latex; the others are in m.", "m"
     )
-    angle_unit: Literal["rad", "deg"] = field(
-        default="rad", metadata={"help": "Unit of angles in yaml, csv, markdown and latex; the others are in rad."}
+    angle_unit: Literal["rad", "deg"] = option(
+        "Unit of angles in yaml, csv, markdown and latex; the others are in rad.", "rad"
     )
 
 

@@ -14,8 +14,7 @@ from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.header.units import Units
-from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
-from dh2urdf_plugins.readers.plain.rows import PlainRows
+from dh2urdf_plugins.readers.plain.rows import PlainNumbers, PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
 
 if TYPE_CHECKING:

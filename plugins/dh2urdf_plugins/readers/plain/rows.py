@@ -2,7 +2,8 @@
 
 Most rows of a large table are plain numbers, known words and multiples of π that were seen before. They are read column
 by column, at the speed of Python's own loops. Whatever is not surely plain is left to `RowReader`, which alone defines
-what a table means: here a row is read as that would read it, or not at all.
+what a table means: here a row is read as that would read it, or not at all. A small sample is read in both ways, in
+every run, and must give the same records.
 """
 
 from __future__ import annotations
@@ -11,20 +12,22 @@ import math
 import re
 import sys
 from collections import defaultdict
+from dataclasses import fields, replace
 from itertools import accumulate, pairwise, starmap
 from operator import add
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.columns import COM, DYNAMICS, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, column
-from dh2urdf.manipulator import Inertia, JointType, Limits, new_dh_row
+from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator, new_dh_row
+from dh2urdf.quantities import QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
+from dh2urdf.source import Messages
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.columns import is_value
 from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
 from dh2urdf_plugins.readers.header.units import group_of
 from dh2urdf_plugins.readers.header.words import read_header
-from dh2urdf_plugins.readers.plain.numbers import PlainNumbers
-from dh2urdf_plugins.readers.plain.sample import PlainSample
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, meant_by
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LONGEST_ARM, NEARLY, REMEMBERED, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import LINE_END, SPACES, text_of
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
+    from dh2urdf.stages import Rejected
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.header.units import Units
     from dh2urdf_plugins.readers.words.cells import Value
@@ -52,6 +56,15 @@ _LARGEST = {JointType.REVOLUTE: LARGEST_LIMIT, JointType.PRISMATIC: sys.float_in
 """The largest bound that needs no word, by the type of a joint; the other types have no bounds."""
 _PLAIN_NAME = re.compile(rf"(?![xyzXYZ]$)[A-Za-z](?:[\w .:/+-]{{0,{MAX_NAME - 2}}}\w)?", re.ASCII).fullmatch
 """A name that is no axis of a frame and no number, and that has no typesetting: `_j1_` is j1 in Markdown."""
+
+_TINY = "[eE]-[0-9]{3}"
+"""An exponent, or what looks like one, of numbers too small for a double."""
+HEAD = 50
+"""Rows of one manipulator that are read again at most, and rows that are read again in any file."""
+EVERY = 20_000
+"""One row of this many is read again: a careful row takes 30 times as long as a fast one."""
+
+say = Messages(__file__)
 
 
 class PlainRows:
@@ -276,3 +289,136 @@ def _row_in_columns(
     inertia = Inertia(**{name: found.pop(name) for name in INERTIA}) if "ixx" in found else None
     words: dict[str, Any] = {name: entries[first] for name, entries in alike.items()}
     return new_dh_row(**words, limits=limits, com=com, inertia=inertia, **found)
+
+
+# --- Columns of numbers -----------------------------------------------------------------------------------------------
+
+
+class PlainNumbers:
+    """Reads the columns of a field, in rows of joints that turn or slide, in a table of some units.
+
+    A column is plain where all of its cells are decimal numbers, or where few expressions are in all of them. Where
+    cells name units of their own, the columns beside them show whether that is plain, too.
+    """
+
+    def __init__(self, name: str, units: Units, *, slides: bool = False) -> None:
+        self.has_expressions = False  # whether anything but decimal numbers was among those that were read last
+        self.foreign = False  # whether any cell so far names another unit than the SI unit
+        self.bare = False  # whether any number so far, 0 left aside, is in the SI unit since nothing says its unit
+        self._dimension = FIELDS[name].measures(slides=slides)
+        self._unit, self._angle = units.unit_of(name, self._dimension), units.in_functions
+        self._known: dict[Any, float] = {}
+
+    def read(self, column: Sequence[Any]) -> list[float] | None:
+        """The SI numbers of a column of texts, or of numbers; None where one of them is not plain."""
+        numbers = self.decimals(column)
+        self.has_expressions = numbers is None
+        if numbers is not None:
+            self.bare = self.bare or (self._unit is None and any(numbers))
+            return numbers
+        known = self._known  # a table has few expressions that differ
+        if len(known) > REMEMBERED:
+            known.clear()
+        for cell in set(column) - known.keys():
+            value = self._expression(text_of(cell))
+            if value is None:
+                return None
+            known[cell] = value
+        return list(map(known.__getitem__, column))
+
+    def read_some(self, column: Sequence[Any]) -> Sequence[float | None] | None:
+        """The same of a column with empty cells, which are None."""
+        if isinstance(column[0], float) or all(column):
+            return self.read(column)
+        filled = [cell for cell in column if cell]
+        numbers = self.read(filled) if filled else []
+        given = iter(numbers or ())
+        return None if numbers is None else [next(given) if cell else None for cell in column]
+
+    def decimals(self, column: Sequence[Any]) -> list[float] | None:
+        """The same where all are decimal numbers, infinities and NaN among them."""
+        unit, are_floats = self._unit, isinstance(column[0], float)
+        if are_floats and unit and unit.power:
+            column, are_floats = list(map(text_of, column)), False
+        text = "" if are_floats else ",".join(column)
+        try:
+            if unit is None or unit.is_si:
+                numbers = (text and _json_numbers(text, len(column))) or list(map(float, column))
+            elif unit.parts:
+                numbers = [float(cell) / unit.parts * HALF_PI for cell in column]
+            elif unit.is_shifted:  # a text with an exponent of its own becomes no number, and is read as an expression
+                numbers = [float(f"{cell}e{unit.power}") for cell in column]
+            else:
+                return None
+        except ValueError:
+            return None
+        # `float` reads 1_0 and digits of other scripts too, and makes 0 of 1e-400.
+        if "_" in text or LINE_END in text or not text.isascii() or (0.0 in numbers and re.search(_TINY, text)):
+            return None
+        return [number + 0.0 for number in numbers] if are_floats or "-" in text else numbers  # 0 for each −0
+
+    def _expression(self, text: str) -> float | None:
+        """The SI number that a cell says, or None where there is anything else to report about it."""
+        if "," in text or LINE_END in text:
+            return None
+        try:
+            quantity = evaluate(text.strip(SPACES), self._dimension, self._unit, angle=self._angle)
+        except QuantityError:
+            return None
+        has_unit = quantity.has_unit or quantity.is_radians(self._dimension)
+        self.foreign = self.foreign or quantity.foreign
+        self.bare = self.bare or (self._unit is None and bool(quantity.value) and not has_unit)
+        return None if quantity.variable else quantity.value
+
+
+def _json_numbers(text: str, count: int) -> list[float] | None:
+    """Decimal numbers with commas between them, where all are as JSON has them, in a quarter of the time of `float`."""
+    import orjson
+
+    try:
+        numbers: list[Any] = orjson.loads(f"[{text}]")
+    except orjson.JSONDecodeError:
+        return None
+    # A text with a comma is more than one number; a text in brackets or quotes that holds several is none.
+    return list(map(float, numbers)) if len(numbers) == count and set(map(type, numbers)) <= {float, int} else None
+
+
+# --- A sample that is read again --------------------------------------------------------------------------------------
+
+
+class PlainSample:
+    """Chooses the manipulators of a file that are read again: always the same ones, at changing places of a batch."""
+
+    _read = _again = 0
+
+    def choose(self, sizes: Sequence[int]) -> int | None:
+        """The index of the manipulator that is read again, or None."""
+        index = self._read % len(sizes)
+        self._read += sum(sizes)
+        rows = min(sizes[index], HEAD)
+        if self._again + rows > HEAD + self._read // EVERY:
+            return None
+        self._again += rows
+        return index
+
+
+def compare(fast: Manipulator, careful: Manipulator | Rejected, count: int) -> None:
+    """Refuses two readings of one manipulator that differ in a bit, in a mark or in a notice.
+
+    Some rows were read with care, or all; the first rows of a longer arm may be refused as an arm.
+    """
+    is_whole = count == len(fast.rows)
+    if isinstance(careful, Manipulator):
+        pairs: list[tuple[Any, Any]] = [*zip(fast.rows, careful.rows, strict=False)]
+        for one, other in [*pairs, (fast, careful)] if is_whole else pairs:
+            for name in (field.name for field in fields(one)):
+                readings = [repr(getattr(record, name)) for record in (one, other)]
+                if readings[0] != readings[1]:
+                    about = {"field": name, "fast": readings[0], "careful": readings[1]}
+                    about |= {"joint": one.joint} if one is not fast else {}
+                    raise TableError(say("two-readings", one.mark, robot=fast.name, **about))
+    elif is_whole:
+        refused = careful.problems[0]
+        row = next((row for row in fast.rows if row.joint == refused.joint), fast)
+        problem = say("only-fast", refused.mark, robot=fast.name, reason=refused.message, row=repr(row))
+        raise TableError(replace(problem, joint=refused.joint, field=refused.field, found=refused.found))

@@ -318,14 +318,14 @@ class CsvRows:
 
     # --- Places -------------------------------------------------------------------------------------------------------
 
-    def _placed(self, cells: Sequence[str], number: int, starts: Sequence[int]) -> CellRow:
-        """Cells that start in some columns; those without one are where a cell goes on in the next line."""
-        places = [starts[min(index, len(starts) - 1)] for index in range(len(cells))]
+    def _cells(self, line: str, number: int, cells: Sequence[str] | None = None) -> CellRow:
+        """The cells of a line, each where it starts; those that start in a later line are where a cell goes on."""
+        cells = split(line, self.delimiter) if cells is None else cells
+        hidden = re.sub(r'"[^"]*("|\Z)', lambda quoted: "_" * len(quoted[0]), line).split(self.delimiter)
+        ends = accumulate(len(cell) + 1 for cell in hidden)
+        starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, hidden, strict=True)]
+        places = starts + [starts[-1]] * (len(cells) - len(starts))
         return CellRow(cells, self.mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
-
-    def _cells(self, line: str, number: int) -> CellRow:
-        """The cells of a line above the rows."""
-        return self._placed(split(line, self.delimiter), number, _starts_of(line, self.delimiter))
 
     def places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
         """The lines of rows."""
@@ -340,12 +340,9 @@ class CsvRows:
         texts = list(map(text_of, cells))
         while self.quoted and self.quoted[0][0] < key:
             self.quoted.popleft()
-        if self.quoted and self.quoted[0][0] == key:
-            starts = _starts_of(self.quoted[0][1], self.delimiter)
-        else:
-            ends = accumulate(len(cell) + 1 for cell in texts)
-            starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, texts, strict=True)]
-        row = self._placed(texts, key, starts)
+        is_quoted_line = self.quoted and self.quoted[0][0] == key
+        line = self.quoted[0][1] if is_quoted_line else self.delimiter.join(texts)
+        row = self._cells(line, key, texts)
         return row, self._problems(row, texts, number)
 
     def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
@@ -392,19 +389,6 @@ def commented_header(line: str) -> str | None:
     named = {text: max((fields_in(text, sign) for sign in DELIMITERS), key=len) for text in texts}
     best = max(texts, key=lambda text: len(named[text]))
     return best if named[best].issuperset(REQUIRED) else None
-
-
-def _starts_of(line: str, delimiter: str) -> list[int]:
-    """The columns, in characters from 1, at which the cells of a line start."""
-    starts, quoted = [0], False
-    for position, character in enumerate(line):
-        if character == '"':
-            quoted = not quoted
-        elif character == delimiter and not quoted:
-            starts.append(position + 1)
-    ends = [*starts[1:], len(line) + 1]
-    cells = ((start, line[start : end - 1]) for start, end in zip(starts, ends, strict=True))
-    return [start + len(cell) - len(cell.lstrip(SPACES)) + 1 for start, cell in cells]
 
 
 def _is_cut(line: str) -> bool:

@@ -154,23 +154,8 @@ def tables_of(text: str, file: str, form: str) -> list[TextTable]:
 
 def all_tables(text: str, file: str, form: str) -> list[TextTable]:
     """The tables of a text of some form but ``yaml``; of ``csv``, the one without a header."""
-    lines = text.split("\n")
-    match form:
-        case "latex":
-            found = list(_latex(text, file))
-        case "markdown":
-            found = list(_markdown(lines, file))
-        case "listing":
-            found = list(_listing(text, file))
-        case "csv":
-            marked = [(Mark(file=file, line=at), line) for at, line in enumerate(lines, start=1) if line.strip()]
-            cells = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
-            sign = next((sign for sign in ("\t", ";", ",") if cells and sign in cells[0][1]), ",")
-            around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
-            found = [TextTable([CellRow(split(line, sign), mark) for mark, line in cells], around)]
-        case _:
-            found = [_blanks(lines, file)]
-    return [table for table in found if table.rows]
+    forms = {"latex": _latex, "markdown": _markdown, "listing": _listing, "csv": _cells}
+    return [table for table in forms.get(form, _blanks)(text, file) if table.rows]
 
 
 def grammar_rows(table: TextTable, columns: Sequence[str] | None, file: str) -> Iterator[CellRow]:
@@ -234,9 +219,22 @@ def _row(cells: Sequence[str], mark: Mark) -> CellRow:
 # --- Forms ------------------------------------------------------------------------------------------------------------
 
 
-def _markdown(lines: Sequence[str], file: str) -> Iterator[TextTable]:
+def _lines(text: str, file: str) -> list[tuple[Mark, str]]:
+    return [(Mark(file=file, line=at), line) for at, line in enumerate(text.split("\n"), start=1)]
+
+
+def _cells(text: str, file: str) -> Iterator[TextTable]:
+    """Cells with delimiters between them, and without a header."""
+    marked = [(mark, line) for mark, line in _lines(text, file) if line.strip()]
+    cells = [(mark, line) for mark, line in marked if not line.lstrip().startswith("#")]
+    sign = next((sign for sign in ("\t", ";", ",") if cells and sign in cells[0][1]), ",")
+    around = [CellRow([line], mark) for mark, line in marked if line.lstrip().startswith("#")]
+    yield TextTable([CellRow(split(line, sign), mark) for mark, line in cells], around)
+
+
+def _markdown(text: str, file: str) -> Iterator[TextTable]:
     """Tables between bars; what is around them holds for each."""
-    marked = [(Mark(file=file, line=at), line.translate(_BARS).strip()) for at, line in enumerate(lines, start=1)]
+    marked = [(mark, line.translate(_BARS).strip()) for mark, line in _lines(text, file)]
     around = [row for mark, line in marked if "|" not in line and line.strip("-=+ ") for row in _comment(line, mark)]
     for barred, block in groupby(marked, key=lambda each: "|" in each[1]):
         cut = [
@@ -269,9 +267,9 @@ def _latex(text: str, file: str) -> Iterator[TextTable]:
         plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain)).replace("--", "-")
         around = [row for each in plain.split("\n") for row in _comment(each, Mark(file=file))]
     else:
-        lines = [(at, each) for at, each in enumerate(text.split("\n"), start=1) if each.lstrip().startswith("#")]
-        around = [row for at, each in lines for row in _comment(each, Mark(file=file, line=at))]
-        text = "\n".join("" if each.lstrip().startswith("#") else each for each in text.split("\n"))
+        comments = [(mark, each) for mark, each in _lines(text, file) if each.lstrip().startswith("#")]
+        around = [row for mark, each in comments for row in _comment(each, mark)]
+        text = re.sub(r"(?m)^[^\S\n]*#.*", "", text)
     for start, body in bodies or [(1, text)]:
         rows, line = [], start
         for part in re.split(r"\\\\(?: *\[[^\]\n]*\])?|\\tabularnewline", re.sub(_RULE, "", body)):
@@ -295,10 +293,9 @@ def _without_columns(body: str, arguments: int) -> str:
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:
     """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
-    lines = text.split("\n")
-    comments = [(at, line) for at, line in enumerate(lines, start=1) if line.lstrip().startswith(MARKERS)]
-    around = [row for at, line in comments for row in _comment(line, Mark(file=file, line=at))]
-    code = "\n".join(re.sub(r"(?:#|//|%).*", "", line) for line in lines)
+    comments = [(mark, line) for mark, line in _lines(text, file) if line.lstrip().startswith(MARKERS)]
+    around = [row for mark, line in comments for row in _comment(line, mark)]
+    code = re.sub(r"(?:#|//|%).*", "", text)
     if found := re.search(_CHANGED, code):
         mark = Mark(file=file, line=code.count("\n", 0, found.start()) + 1)
         raise TableError(say("changed-by-a-program", mark, found=found[0].strip()))
@@ -336,9 +333,9 @@ def _names(comment: str, width: int, file: str) -> CellRow | None:
     return None
 
 
-def _blanks(lines: Sequence[str], file: str) -> TextTable:
+def _blanks(text: str, file: str) -> Iterator[TextTable]:
     """Columns of blanks: two or more between cells, or one where no cell has one in it."""
-    marked = [(Mark(file=file, line=at), line.strip()) for at, line in enumerate(lines, start=1) if line.strip()]
+    marked = [(mark, line.strip()) for mark, line in _lines(text, file) if line.strip()]
     table: list[CellRow] = []
     for single in (False, True):
         rows = [_row(_spaced(line, single=single), mark) for mark, line in marked if not line.startswith(MARKERS)]
@@ -348,7 +345,7 @@ def _blanks(lines: Sequence[str], file: str) -> TextTable:
         if width > 1 and (any(map(is_header, found)) or not table):
             table = [row if len(row.cells) == width else CellRow(["", *row.cells], row.mark) for row in found]
     kept = {row.mark.line for row in table}
-    return TextTable(table, [row for mark, line in marked if mark.line not in kept for row in _comment(line, mark)])
+    yield TextTable(table, [row for mark, line in marked if mark.line not in kept for row in _comment(line, mark)])
 
 
 def _spaced(line: str, *, single: bool) -> list[str]:

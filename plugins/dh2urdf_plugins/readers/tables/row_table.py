@@ -236,7 +236,7 @@ class RowTable:
             )
         )
         if (index := self.plain.sample.choose(sizes)) is not None:
-            from dh2urdf_plugins.readers.plain.sample import HEAD, compare
+            from dh2urdf_plugins.readers.plain.rows import HEAD, compare
 
             rows = groups[index]
             head = Rows(rows.name, rows.keys[:HEAD], rows.cells[:HEAD], min(rows.count, HEAD))

@@ -129,6 +129,8 @@ def _reason(error: Exception) -> str:
 
 def _close(files: Files) -> None:
     """Has xacro evaluate, open and look up by functions of ours alone; in this process, for good."""
+    from xml.dom import expatbuilder
+
     import xacro
     from xacro import substitution_args
 
@@ -141,9 +143,19 @@ def _close(files: Files) -> None:
         work.spend(STEPS_OF_MACRO)
         return expand_macro(*args)
 
+    def no_document_type(_self: Any, *_declared: Any) -> None:  # noqa: ANN401 - a builder
+        raise ExpressionError(DOCUMENT_TYPE)
+
+    def known_encoding(self: Any, version: str, encoding: str | None, standalone: int) -> None:  # noqa: ANN401 - a builder
+        check_encoding(encoding)
+        declared(self, version, encoding, standalone)
+
+    # The parser of xacro refuses what `dh2urdf.documents.xml_elements` refuses.
+    builder: Any = expatbuilder.ExpatBuilderNS
+    declared = builder.xml_decl_handler
+    builder.start_doctype_decl_handler, builder.xml_decl_handler = no_document_type, known_encoding
     work, builtins, expand_macro = Work(), xacro._global_symbols["python"], xacro.resolve_macro  # noqa: SLF001
     xacro.resolve_macro = counted
-    _refuse_declarations()
     xacro.safe_eval = lambda text, names, _local=None: evaluate(text, names, work)
     xacro.open = files.open  # comes before the built-in one in that module
     xacro.glob = types.SimpleNamespace(glob=files.glob)
@@ -155,25 +167,6 @@ def _close(files: Files) -> None:
     }
     substitution_args._eval_dict.update(of_system)  # noqa: SLF001
     vars(substitution_args).update({f"_eval_{name}": function for name, function in of_system.items()})
-
-
-def _refuse_declarations() -> None:
-    """Has the parser of xacro refuse what `dh2urdf.documents.xml_elements` refuses."""
-    from xml.dom import expatbuilder
-
-    from dh2urdf_plugins.xacro_fence.interpreter import ExpressionError
-
-    builder: Any = expatbuilder.ExpatBuilderNS
-
-    def no_document_type(_self: Any, *_declared: Any) -> None:  # noqa: ANN401 - a builder
-        raise ExpressionError(DOCUMENT_TYPE)
-
-    def known_encoding(self: Any, version: str, encoding: str | None, standalone: int) -> None:  # noqa: ANN401 - a builder
-        check_encoding(encoding)
-        declared(self, version, encoding, standalone)
-
-    declared = builder.xml_decl_handler
-    builder.start_doctype_decl_handler, builder.xml_decl_handler = no_document_type, known_encoding
 
 
 def _warm_up() -> None:

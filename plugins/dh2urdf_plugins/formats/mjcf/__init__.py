@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from dh2urdf.stages import Emitter, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
+from dh2urdf_plugins.formats import checks, foreign_mjcf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -31,5 +31,9 @@ EMITTER = Emitter(
     suffixes=(".xml", ".mjcf"),
     options=MjcfOptions,
     emit=Late(f"{__name__}.writer:mjcf_files"),
-    capabilities=(ReadsBack(read_mjcf), ReadsForeign(foreign_mjcf), *checks("inspection:inspect_mjcf", "files:mjcfs")),
+    capabilities=(
+        ReadsBack(Late(f"{__name__}.reader:read_mjcf")),
+        ReadsForeign(foreign_mjcf),
+        *checks("inspection:inspect_mjcf", "files:mjcfs"),
+    ),
 )

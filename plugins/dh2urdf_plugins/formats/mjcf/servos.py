@@ -46,22 +46,16 @@ class Servo(NamedTuple):
     armature: float  # inertia of the rotor behind the gear [kg·m² or kg]
 
 
-class _Load(NamedTuple):
-    """What a joint has to move, whatever the joint vector."""
-
-    inertia: float  # what it feels at most when all joints accelerate alike [kg·m² or kg]
-    weight: float  # what gravity asks of it at most, however the arm is mounted [N·m or N]
-
-
 def servos(robot: Robot) -> dict[str, Servo]:
     """The servo of every joint that has an effort, by the joint's name."""
-    loads, found = _loads(robot), {}
+    inertias, weights = _loads(robot)
+    found = {}
     for joint in robot.moving_joints:
         if not joint.limits.effort:
             continue
-        load, unit = loads[joint.name], _unit(joint)
-        inertia = load.inertia + (joint.armature or 0.0)
-        spare = joint.limits.effort - load.weight
+        unit = _unit(joint)
+        inertia = inertias[joint.name] + (joint.armature or 0.0)
+        spare = joint.limits.effort - weights[joint.name]
         wanted = max(spare / (YIELDING * unit), (joint.friction or 0.0) / (STUCK * unit))
         allowed = math.inf if joint.armature is None else joint.armature / (ROTOR * FASTEST**2)
         stiffness = max(min(wanted, allowed), inertia / SLOWEST**2)
@@ -81,9 +75,10 @@ def _unit(joint: Joint) -> float:
     return SLIDING if joint.type is JointType.PRISMATIC else 1.0
 
 
-def _loads(robot: Robot) -> dict[str, _Load]:
-    """What each joint has to move, by its name.
+def _loads(robot: Robot) -> tuple[dict[str, float], dict[str, float]]:
+    """What each joint has to move at most, by its name, whatever the joint vector and however the arm is mounted.
 
+    That is the inertia that it feels when all joints accelerate alike [kg·m² or kg], and the weight [N·m or N].
     A link of mass m and largest moment of inertia I adds to the element (j, k) of M at most m·r_j·r_k + I, where r_j is
     the length of the way from joint j to the link's centre of mass. Where j slides, r_j is 1, and there is no I.
     """
@@ -110,7 +105,7 @@ def _loads(robot: Robot) -> dict[str, _Load]:
         for each, lever, turns in levers:
             weight[each.name] += GRAVITY * mass * lever
             inertia[each.name] += mass * lever * reaches / _unit(each) + turns * turning
-    return {name: _Load(inertia[name], weight[name]) for name in inertia}
+    return inertia, weight
 
 
 def _ways(joint: Joint, before: list[tuple[Joint, float]]) -> Iterator[tuple[Joint, float]]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
@@ -114,7 +115,7 @@ class _Model:
                 if link.name in self._carried:
                     body.set("gravcomp", "1")
                 numbers = self._notation.body(link.name, link.inertial)
-                tensor = " ".join([numbers[name] for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")])
+                tensor = " ".join([numbers[name] for name in INERTIA])
                 mass = {"pos": numbers["com"], "mass": numbers["mass"], "fullinertia": tensor}
                 etree.SubElement(body, "inertial", mass)
             if moves and joint:

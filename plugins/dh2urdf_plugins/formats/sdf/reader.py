@@ -24,8 +24,15 @@ from dh2urdf.manipulator import WORLD, Inertia, JointType
 from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
 from dh2urdf.source import Mark, Messages, shown
-from dh2urdf_plugins.formats.sdf.elements import IN_MODEL, SdfElements, modernise
-from dh2urdf_plugins.formats.sdf.places import AT_INCLUDED, Places, flatten, leave_out_attached
+from dh2urdf_plugins.formats.sdf.elements import (
+    AT_INCLUDED,
+    IN_MODEL,
+    Places,
+    SdfElements,
+    flatten,
+    leave_out_attached,
+    modernise,
+)
 from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, read_file, written_tree_of
 
 if TYPE_CHECKING:

@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
-from dh2urdf_plugins.formats import checks, foreign_urdf, read_urdf, read_urdfs
+from dh2urdf_plugins.formats import checks, foreign_urdf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from dh2urdf.columns import RobotColumns
     from dh2urdf.robot import Robot
 
 ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
@@ -46,30 +43,6 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     return (EmittedFile(name=f"{stem}.urdf", content=content),)
 
 
-def emit_columns(
-    robots: RobotColumns, stems: Sequence[str], options: UrdfOptions
-) -> list[tuple[EmittedFile, ...]] | None:
-    """The URDF of each of many robots, as ``<stem>.urdf``.
-
-    A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
-    another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
-    """
-    from dh2urdf.errors import EmitterError
-    from dh2urdf_plugins.formats.urdf.columns import filled_in
-    from dh2urdf_plugins.formats.urdf.profiles import PROFILES
-
-    if PROFILES[options.profile] != PROFILES["portable"]:
-        return None
-    try:
-        contents = filled_in(robots)
-    except EmitterError:
-        return None
-    return [
-        () if content is None else (EmittedFile(name=f"{stem}.urdf", content=content),)
-        for stem, content in zip(stems, contents, strict=True)
-    ]
-
-
 EMITTER = Emitter(
     name="urdf",
     summary="URDF that every common simulator and ROS tool reads alike",
@@ -78,9 +51,9 @@ EMITTER = Emitter(
     emit=emit,
     capabilities=(
         Usual(),
-        ReadsBack(read_urdf),
+        ReadsBack(Late(f"{__name__}.reader:read_urdf")),
         ReadsForeign(foreign_urdf),
-        EmitsInColumns(emit_columns, read_urdfs),
+        EmitsInColumns(Late(f"{__name__}.columns:emit_columns"), Late(f"{__name__}.scanner:scan_columns")),
         *checks("inspection:inspect_urdf", "files:urdfs", "fixing:fixed", finds_packages=True),
         GivesNotices(notices),
     ),

@@ -16,12 +16,15 @@ from dh2urdf.quantities import format_number, format_rows
 from dh2urdf.robot_check import LONGEST_NAME
 from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages
+from dh2urdf.stages import EmittedFile
+from dh2urdf_plugins.formats.urdf.profiles import PROFILES
 from dh2urdf_plugins.formats.urdf.writer import LONGEST_COMMENT, Notation, check_lines, serialise, urdf_tree
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from dh2urdf.columns import Mask, RobotColumns
+    from dh2urdf_plugins.formats.urdf import UrdfOptions
 
 say = Messages(__file__)
 
@@ -54,8 +57,16 @@ class ColumnNotation(Notation):
         return _slot(str(len(self.columns) - 1))
 
 
-def filled_in(robots: RobotColumns) -> list[bytes | None]:
-    """The URDF of each of many robots; None for one that is not sure, or whose name or comment has to be escaped."""
+def emit_columns(
+    robots: RobotColumns, stems: Sequence[str], options: UrdfOptions
+) -> list[tuple[EmittedFile, ...]] | None:
+    """The URDF of each of many robots, as ``<stem>.urdf``.
+
+    A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
+    another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
+    """
+    if PROFILES[options.profile] != PROFILES["portable"]:
+        return None
     told = zip(robots.sure.tolist(), robots.names, robots.comments, strict=True)
     written = [
         index
@@ -65,11 +76,14 @@ def filled_in(robots: RobotColumns) -> list[bytes | None]:
         and (len(name) <= LONGEST_NAME and name.isprintable() and not _ESCAPED.search(name))
         and (0 < len(comment) <= LONGEST_COMMENT and comment.isprintable() and "--" not in comment)
     ]
-    contents: list[bytes | None] = [None] * len(robots)
-    if written:
-        for index, content in zip(written, _contents(robots, written), strict=True):
-            contents[index] = content
-    return contents
+    try:
+        contents = dict(zip(written, _contents(robots, written), strict=True)) if written else {}
+    except EmitterError:
+        return None
+    return [
+        (EmittedFile(name=f"{stem}.urdf", content=contents[index]),) if index in contents else ()
+        for index, stem in enumerate(stems)
+    ]
 
 
 def _contents(robots: RobotColumns, written: list[int]) -> list[bytes]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import orjson
 
+from dh2urdf.columns import LIMITS
 from dh2urdf.manipulator import Limits
 from dh2urdf.robot import Joint, Origin, Robot
 from dh2urdf.rotations import ZERO, array_of
@@ -197,7 +198,7 @@ def _with_numbers(joint: Joint, places: dict[Attribute, int], numbers: Sequence[
         joint,
         origin=Origin(xyz=vector("origin", "xyz", ZERO), rpy=vector("origin", "rpy", ZERO)),
         axis=vector("axis", "xyz", joint.axis),
-        limits=Limits(**{name: number("limit", name) for name in ("lower", "upper", "velocity", "effort")}),
+        limits=Limits(**{name: number("limit", name) for name in LIMITS}),
         damping=number("dynamics", "damping"),
         friction=number("dynamics", "friction"),
     )

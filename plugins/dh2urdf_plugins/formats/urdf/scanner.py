@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.errors import ProofError
 from dh2urdf.robot import Link, Robot
 from dh2urdf.rotations import array_of
@@ -56,14 +57,14 @@ _FILES_AT_ONCE = 32
 # The attributes of the URDF specification (wiki.ros.org/urdf/XML) that are numbers; the joints' first.
 _OF_JOINTS: tuple[Attribute, ...] = (
     *(("origin", "xyz"), ("origin", "rpy"), ("axis", "xyz")),
-    *(("limit", name) for name in ("lower", "upper", "velocity", "effort")),
+    *(("limit", name) for name in LIMITS),
     *(("dynamics", "damping"), ("dynamics", "friction")),
 )
 _NUMBERS = {
     *_OF_JOINTS,
     *(("mass", "value"), ("box", "size"), ("sphere", "radius"), ("mesh", "scale"), ("color", "rgba")),
     *(("cylinder", "radius"), ("cylinder", "length")),
-    *(("inertia", name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")),
+    *(("inertia", name) for name in INERTIA),
 }
 
 

@@ -139,15 +139,13 @@ def arm_skeleton(tip: Tip) -> Skeleton:
     for row in table.rows:
         _, d = joint_variables(row)
         after = pose @ row_transform(table.convention, row)
-        # The joint turns about z of the frame before it, in the modified convention about z of its own.
-        if table.convention is Convention.STANDARD:
-            foot, corner = pose, add(pose.translation, rotate(pose.rotation, (0.0, 0.0, d)))
-        else:
-            foot, corner = after, add(pose.translation, rotate(pose.rotation, (row.a, 0.0, 0.0)))
+        is_standard = table.convention is Convention.STANDARD
+        corner = add(pose.translation, rotate(pose.rotation, (0.0, 0.0, d) if is_standard else (row.a, 0.0, 0.0)))
         path += [corner, after.translation]
         if row.type is not JointType.FIXED:
-            at = foot.translation if table.convention is Convention.STANDARD else corner
-            direction = rotate(foot.rotation, (0.0, 0.0, float(row.sign)))
+            # The joint turns about z of the frame before it, in the modified convention about z of its own.
+            at, rotation = (pose.translation, pose.rotation) if is_standard else (corner, after.rotation)
+            direction = rotate(rotation, (0.0, 0.0, float(row.sign)))
             axes.append(JointAxis(len(axes) + 1, at, direction, row.type is JointType.PRISMATIC))
         pose = after
         frames.append(pose)

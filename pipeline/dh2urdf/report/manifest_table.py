@@ -35,8 +35,7 @@ def _flat(row: ManifestRow) -> dict[str, Any]:
     """A row of the table by the names of its columns."""
     whole: Any = row
     proofs: list[tuple[str, Any]] = [(stage, proof) for stage, proof in row["proof"].items() if proof]
-    flat: dict[str, Any] = {name: whole[name] for name in _PLAIN}
-    flat["files"] = row["files"]
+    flat: dict[str, Any] = {name: whole[name] for name in (*_PLAIN, "files")}
     for name in ("position_error", "angle_error"):  # the largest that is there
         flat[name] = max((every[name] for _, every in proofs if every[name] is not None), default=None)
     flat["proved"] = [stage for stage, _ in proofs]
@@ -68,24 +67,9 @@ def _leaves(prefix: str, facts: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 class ManifestTable:
-    """A manifest as a Parquet file: a row for each manipulator, in the same order, and a column for each fact.
+    """A manifest as a Parquet file; docs/report.md lists its columns.
 
-    ===============================  ===================================================================================
-    name, status, kind, source, key  text; `kind` of the failure is null where there is none
-    keeps_kinematics                 whether the transform keeps T(q)
-    files                            list of path, stage, bytes, sha256; with shard and offset in tar shards
-    position_error, angle_error      largest difference from the DH product over all files that were proved [m, rad]
-    proved                           list of the emitters whose files were
-    error                            message of the first error
-    errors, notices                  lists of messages
-    drawn.<field>                    what was drawn for it [SI]: numbers, or text for types of joints
-    loaders.<loader>.verdict         passed, failed, missing, not in the sample, or no file
-    loaders.<loader>.<field>         what a simulator reported, `hold.stayed` and the like included: numbers, truth
-                                     values and text; of its findings and errors the messages; other lists are left out
-    ===============================  ===================================================================================
-
-    A column `drawn` or `loaders` that no manipulator fills is left out. The same rows give the same bytes with the same
-    version of pyarrow.
+    The same rows give the same bytes with the same version of pyarrow.
     """
 
     def __init__(self) -> None:

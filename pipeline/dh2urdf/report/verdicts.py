@@ -147,20 +147,7 @@ class FailureIndex:
             found["other_reasons"] += 1
 
     def as_json(self) -> dict[str, Any]:
-        """Return the index as plain data, the commonest kinds and reasons first.
-
-        ::
-
-            {"manipulators": 1000000, "ok": 999985, "failed": 15,
-             "failures": {"table": {                  the kind
-                "count": 12,
-                "reasons": [                          at most 100
-                    {"count": 12,                     manipulators whose first error has this pattern
-                     "pattern": "'…' is more than a full turn in rad, and no unit is declared for it",
-                     "example": "'90' is more than a full turn in rad, …"}],
-                "other_reasons": 0,                   manipulators with reasons beyond these
-                "names": ["robot_17", …]}, …}}        at most 1,000, in the order of the run
-        """
+        """Return the index as plain data, the commonest kinds and reasons first; docs/report.md has its form."""
         failures = {
             kind: {**found, "reasons": sorted(found["reasons"].values(), key=lambda reason: -reason["count"])}
             for kind, found in sorted(self._failures.items(), key=lambda item: -item[1]["count"])

@@ -54,8 +54,7 @@ def run_schema(catalog: Catalog) -> JsonSchema:
         _add_stages(entry["anyOf"] if "anyOf" in entry else sections[section]["anyOf"], section, kind, catalog)
         if section in {"transform", "emitters", "execution"}:
             sections[section]["description"] += f"; {usual_name(catalog, kind)} by default"
-    optional = {name: {"anyOf": [each, NULL]} for name, each in sections.items() if name not in schema["required"]}
-    sections |= optional
+    sections |= {name: {"anyOf": [each, NULL]} for name, each in sections.items() if name not in schema["required"]}
     return {"$schema": DIALECT, "title": "run file of dh2urdf", **schema, "$defs": options}
 
 

@@ -66,8 +66,7 @@ else:
 
 def key(text: str, default: Any = MISSING, *, measures: str | None = None) -> Any:  # noqa: ANN401 - a field
     """A key of a section: what it is for, and what its numbers measure that may have units."""
-    data = {"help": text} if measures is None else {"help": text, "measures": measures}
-    return field(default=default, metadata=data)
+    return field(default=default, metadata={"help": text, "measures": measures})
 
 
 # --- Stages -----------------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeGuard, TypeVar
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from dh2urdf.documents.measures import measured
 from dh2urdf.errors import ConfigError
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-T = TypeVar("T")
 WORD_LAWS = ("choices", "grid")
 _RANGES: dict[str, type[laws.Uniform | laws.LogUniform | laws.Scale | laws.Offset]] = {
     "uniform": laws.Uniform,
@@ -50,7 +49,8 @@ class _LawReader:
         self.units: list[Dimension] = []
 
     def _wrong(self, code: str, node: Node, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
-        return ConfigError(say(code, node.mark, field=self._field, found=node.text, **values))
+        about = {"field": self._field, "found": node.text, "whose": "a run file", "kind": node.describe()}
+        return ConfigError(say(code, node.mark, **about, **values))
 
     def read(self, law: str, node: Node) -> laws.Law:
         """The law."""
@@ -63,15 +63,18 @@ class _LawReader:
             if kind is laws.LogUniform and low <= 0.0:
                 raise self._wrong("log-uniform-below-0", node)
             return kind(low=low, high=high)
-        if law == "normal":
-            return self._normal(node)
-        if spaced:
-            given = self._record(SpacedSection, node)
+        if law == "normal" or spaced:
+            section: type[SpacedSection | NormalSection] = SpacedSection if spaced else NormalSection
+            given = (to := Reading()).record(section, node, self._field)
+            if given is None:
+                raise ConfigError(to.problems)
+            if isinstance(given, NormalSection):
+                return self._normal(node)
             low, high = (self._check(end, self._number(end)) for end in map(node.entry, ("from", "to")) if end)
             return laws.Grid(values=laws.evenly_spaced(low, high, given.points))
         if not isinstance(node.value, list) or not node.value:
             accepted = f"a list of values{f', or {SPACING}' if law == 'grid' else ''}"
-            raise self._wrong("value-of-other-kind", node, whose="a run file", kind=node.describe(), accepted=accepted)
+            raise self._wrong("value-of-other-kind", node, accepted=accepted)
         values = tuple([self._value(entry) for entry in node.value])
         return laws.Grid(values=values) if law == "grid" else laws.Choices(values=values)
 
@@ -79,25 +82,17 @@ class _LawReader:
         if self._what == TYPE:
             if node.text not in JOINT_TYPES:
                 near = did_you_mean(node.text or "", JOINT_TYPES)
-                raise self._wrong("joint-type-unknown", node, kind=node.describe(), types=JOINT_TYPES, suggestion=near)
+                raise self._wrong("joint-type-unknown", node, types=JOINT_TYPES, suggestion=near)
             return str(node.text)
         if self._what == AXES:
             if not _is_number(node.value):
-                raise self._wrong("axes-no-number", node, kind=node.describe())
+                raise self._wrong("axes-no-number", node)
             return node.value
         return self._check(node, self._number(node))
 
-    def _record(self, kind: type[T], node: Node) -> T:
-        to = Reading()
-        record = to.record(kind, node, self._field)
-        if record is None:
-            raise ConfigError(to.problems)
-        return record
-
     def _ends(self, node: Node, dimension: Dimension | None = None, *, bounded: bool = True) -> tuple[float, float]:
         if not isinstance(node.value, list) or len(node.value) != 2:  # noqa: PLR2004 - a range has two ends
-            accepted = "a range: [LOW, HIGH]"
-            raise self._wrong("value-of-other-kind", node, whose="a run file", kind=node.describe(), accepted=accepted)
+            raise self._wrong("value-of-other-kind", node, accepted="a range: [LOW, HIGH]")
         low, high = (self._number(end, dimension) for end in node.value)
         if low > high:
             raise self._wrong("range-goes-down", node, low=low, high=high)
@@ -106,7 +101,6 @@ class _LawReader:
         return low, high
 
     def _normal(self, node: Node) -> laws.Law:
-        self._record(NormalSection, node)
         mean_node, width_node, bounds = (node.entry(key) for key in ("mean", "deviation", "bounds"))
         mean = self._number(mean_node) if mean_node else None
         deviation, (low, high) = self._number(width_node or node), self._ends(bounds or node)

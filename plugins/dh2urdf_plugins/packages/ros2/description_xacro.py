@@ -15,6 +15,7 @@ from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_
 from dh2urdf_plugins.formats.xacro import writer as xacro
 from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
 from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, follows_whole_table, parameter_key
+from dh2urdf_plugins.packages.srdf.semantics import arms_of
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:
@@ -97,11 +98,6 @@ def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     plugin, file = PLUGINS[options.hardware], kind.default(package, "initial_positions.yaml")
     words = {"MACRO": kind.macro, "PLUGIN": plugin, "FILE": file, "JOINTS": "".join(joints).removesuffix("\n")}
     return filled(template(""), **words).encode()
-
-
-def arms_of(robot: Robot) -> list[tuple[str, Robot]]:
-    """The arms of a robot with their prefixes: those of a cell, or the robot itself."""
-    return [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
 
 
 def positions_argument(prefix: str) -> str:

@@ -26,7 +26,7 @@ from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
 from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
 from dh2urdf_plugins.packages.ros2 import description_xacro as xacros, package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.srdf import srdf
-from dh2urdf_plugins.packages.srdf.semantics import groups
+from dh2urdf_plugins.packages.srdf.semantics import arms_of, groups
 from dh2urdf_plugins.ros_conventions import VERSION
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     yield "config/moveit_controllers.yaml", yamls.moveit_controllers(arms)
     if controlled:
         yield "config/ros2_controllers.yaml", yamls.controllers(arms)
-        for prefix, arm in xacros.arms_of(robot):
+        for prefix, arm in arms_of(robot):
             yield f"config/{prefix}initial_positions.yaml", yamls.initial_positions(arm)
     yield "config/pilz_cartesian_limits.yaml", files.filled("pilz_cartesian_limits.yaml")
     yield "config/moveit.rviz", files.view("moveit.rviz", robot)
@@ -154,7 +154,7 @@ def _shown_description(robot: Robot, name: str, package: str, options: Ros2Optio
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
         append_element(top, "arg", name="hardware", default="mock")
-        for prefix, _ in xacros.arms_of(robot):
+        for prefix, _ in arms_of(robot):
             place = f"$(find {package})/config/{prefix}initial_positions.yaml"
             append_element(top, "arg", name=xacros.positions_argument(prefix), default=place)
     append_element(top, "include", filename=f"$(find {name}_description)/urdf/{name}.urdf.xacro")
@@ -171,7 +171,7 @@ def _with_base(robot: Robot) -> Robot:
     """
     kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
     links, joints = list(robot.links), list(robot.joints)
-    for prefix, kind in xacros.arms_of(robot):
+    for prefix, kind in arms_of(robot):
         table = kind.manipulator
         joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
         taken = {each.name for each in links} | {each.name for each in joints}
@@ -206,7 +206,7 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
     if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
         options_missing = ", ".join(f"`{name}`" for name in missing)
         found.append(say("package-xml-incomplete", missing=missing, options=options_missing))
-    for prefix, kind in xacros.arms_of(robot):
+    for prefix, kind in arms_of(robot):
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))

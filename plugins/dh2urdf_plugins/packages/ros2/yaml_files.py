@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_MAINTAINER
+from dh2urdf_plugins.packages.srdf.semantics import arms_of
 from dh2urdf_plugins.packages.templates import filled
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
@@ -168,8 +169,7 @@ def controller_name(prefix: str) -> str:
 
 def arm_joints(robot: Robot) -> list[ArmJoints]:
     """The arms of a robot that move."""
-    arms = [(arm.prefix, arm.kind.moving_joints) for arm in robot.arms] or [("", robot.moving_joints)]
-    return [(prefix, joints) for prefix, joints in arms if joints]
+    return [(prefix, arm.moving_joints) for prefix, arm in arms_of(robot) if arm.moving_joints]
 
 
 def controllers(arms: Sequence[ArmJoints]) -> bytes:

@@ -35,13 +35,17 @@ class Group(NamedTuple):
     joints: tuple[Joint, ...]  # its moving joints
 
 
+def arms_of(robot: Robot) -> list[tuple[str, Robot]]:
+    """The arms of a robot with their prefixes: those of a cell, or the robot itself."""
+    return [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
+
+
 def groups(robot: Robot, name: str) -> list[Group]:
     """A group for each arm that moves: the name alone, or behind the prefix of the arm in a cell."""
     if not name.strip() or (len(robot.arms) > 1 and any(arm.prefix + name == EVERY_ARM for arm in robot.arms)):
         raise EmitterError(say("group-name-wrong", field="group", found=name, every=EVERY_ARM))
-    ends = [(arm.prefix, arm.kind) for arm in robot.arms] or [("", robot)]
     found = []
-    for prefix, kind in ends:
+    for prefix, kind in arms_of(robot):
         links = [link.name for link in kind.links]
         base, tip = prefix + kind.root, prefix + (TOOL if TOOL in links else links[-1])
         chain = KinematicChain.between(robot, base, tip)

@@ -142,12 +142,11 @@ class PlainRows:
     def _numbers(self, name: str, cells: Sequence[Any], slides: Sequence[bool]) -> Sequence[float | None] | None:
         """The numbers of a column, given which rows slide; None where one of them is not plain."""
         if name not in self.sliding or not any(slides):
-            return self.numbers[name].read_some(cells) if name in LIMITS else self.numbers[name].read(cells)
+            return self.numbers[name].read(cells)
         given = []
         for numbers, which in ((self.numbers[name], False), (self.sliding[name], True)):
             some = [cell for cell, is_sliding in zip(cells, slides, strict=True) if is_sliding is which]
-            read = numbers.read_some if name in LIMITS else numbers.read
-            found = read(some) if some else []
+            found = numbers.read(some) if some else []
             if found is None or (which and numbers.has_expressions):  # A multiple of π is no length.
                 return None
             given.append(iter(found))
@@ -308,9 +307,18 @@ class PlainNumbers:
         self._dimension = FIELDS[name].measures(slides=slides)
         self._unit, self._angle = units.unit_of(name, self._dimension), units.in_functions
         self._known: dict[Any, float] = {}
+        self._has_gaps = name in LIMITS
 
-    def read(self, column: Sequence[Any]) -> list[float] | None:
-        """The SI numbers of a column of texts, or of numbers; None where one of them is not plain."""
+    def read(self, column: Sequence[Any]) -> Sequence[float | None] | None:
+        """The SI numbers of a column of texts, or of numbers; None where one of them is not plain.
+
+        The cells of limits may be empty, which are None.
+        """
+        if self._has_gaps and not isinstance(column[0], float) and not all(column):
+            filled = [cell for cell in column if cell]
+            given = self.read(filled) if filled else ()
+            numbers_left = iter(given or ())
+            return None if given is None else [next(numbers_left) if cell else None for cell in column]
         numbers = self.decimals(column)
         self.has_expressions = numbers is None
         if numbers is not None:
@@ -326,17 +334,8 @@ class PlainNumbers:
             known[cell] = value
         return list(map(known.__getitem__, column))
 
-    def read_some(self, column: Sequence[Any]) -> Sequence[float | None] | None:
-        """The same of a column with empty cells, which are None."""
-        if isinstance(column[0], float) or all(column):
-            return self.read(column)
-        filled = [cell for cell in column if cell]
-        numbers = self.read(filled) if filled else []
-        given = iter(numbers or ())
-        return None if numbers is None else [next(given) if cell else None for cell in column]
-
     def decimals(self, column: Sequence[Any]) -> list[float] | None:
-        """The same where all are decimal numbers, infinities and NaN among them."""
+        """The SI numbers of a column where all are decimal numbers, infinities and NaN among them."""
         unit, are_floats = self._unit, isinstance(column[0], float)
         if are_floats and unit and unit.power:
             column, are_floats = list(map(text_of, column)), False

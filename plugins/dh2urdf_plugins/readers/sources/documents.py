@@ -221,10 +221,9 @@ class Document:
         own = [problem.about(robot=found.name) for problem in (*self.problems, *self.notices)]
         errors = tuple(problem for problem in own if problem.severity == "error")
         notices = (*found.notices, *(problem for problem in own if problem.severity == "notice"))
-        if isinstance(found, Rejected):
-            return replace(found, problems=errors + found.problems, mark=self.node.mark, notices=notices)
-        if errors:
-            return Rejected(name=found.name, problems=errors, mark=self.node.mark, notices=notices)
+        if isinstance(found, Rejected) or errors:
+            problems = errors + (found.problems if isinstance(found, Rejected) else ())
+            return Rejected(name=found.name, problems=problems, mark=self.node.mark, notices=notices)
         return replace(found, rows=tuple(rows), notices=notices) if any(self.meshes) or notices else found
 
     # --- Rows ---------------------------------------------------------------------------------------------------------
@@ -255,8 +254,7 @@ class Document:
             values.append(self.common | found)
         headers = {key: value for own in values for key, value in own.items()}
         named = [each.header for each in headers.values()]
-        header = CellRow(named, joints.mark, [each.key for each in headers.values()])
-        rows = [header]
+        rows = [CellRow(named, joints.mark, [each.key for each in headers.values()])]
         for own, node in zip(values, records, strict=True):
             cells, mark = [own.get(key) for key in headers], node.mark
             marks = [cell.mark if cell else mark for cell in cells]
@@ -286,22 +284,22 @@ class Document:
     def _values(self, mapping: Node, key: str, node: Node) -> dict[str, _Value]:  # noqa: PLR0911 - forms of values
         """What a key of a joint says, by column: several where the value is of several fields."""
         header, place = read_header(key), mapping.key_mark(key)
-        field, is_nested = header.field, isinstance(node.value, dict | list)
+        field = header.field
         if header.ignored:
             return {key: _Value(key, place, "", node.mark)}
         if field is None and isinstance(node.value, dict) and key.casefold() in _JOINTS:
             inner = [self._values(node, each, item) for each, item in node.value.items()]
             return {column: value for values in inner for column, value in values.items()}
-        if (field is None and is_nested) or (field is not None and field.name in NOT_IN_A_JOINT):
+        if field is None and not isinstance(node.value, dict | list):
+            return {key: _Value(key, place, _text(node), node.mark)}
+        if field is None or field.name in NOT_IN_A_JOINT:
             self.problems.append(_unknown_key(mapping, key, (*FIELDS, *MESH_KEYS)))
             return {}
-        if field is not None and field.name in GROUPS:
-            if not header.unit:
-                return self._parts(field.name, place, node)
+        if field.name in GROUPS and not header.unit:
+            return self._parts(field.name, place, node)
+        if field.name in GROUPS:
             self.problems.append(say("key-with-a-unit", place, field=field.name, found=key))
             return {}
-        if field is None:
-            return {key: _Value(key, place, _text(node), node.mark)}
         turned = flip_of(_text(node)) if field.name == "flip" and not mapping.entry("sign") else None
         if turned is not None:  # one column with `sign`
             return {"sign": _Value("sign", place, "-1" if turned else "1", node.mark)}
@@ -313,14 +311,13 @@ class Document:
 
     def _parts(self, group: str, place: Mark, node: Node) -> dict[str, _Value]:
         """Several fields at once: as a mapping, as a list, or as the text of a cell."""
-        found: dict[str, _Value] = {}
         if isinstance(node.value, dict):
+            found: dict[str, _Value] = {}
             for key, item in node.value.items():
-                name = PARTS.get(key, key)
-                if name not in _PARTS[group]:
+                if (name := PARTS.get(key, key)) in _PARTS[group]:
+                    found[name] = _Value(name, place, _cell(item, name, _NUMBER), item.mark)
+                else:
                     self.problems.append(_unknown_key(node, key, _PARTS[group]))
-                    continue
-                found[name] = _Value(name, place, _cell(item, name, _NUMBER), item.mark)
             return found
         names, items = GROUPS[group].parts, node.value if isinstance(node.value, list) else []
         if group != "inertia" and len(items) == len(names) and all(item.text is not None for item in items):
@@ -328,7 +325,7 @@ class Document:
         parts = split_cell(GROUPS[group], flow_text(node) if items else _text(node), node.mark)
         if isinstance(parts, Problem):
             self.problems.append(parts)
-            return found
+            return {}
         return {name: _Value(name, place, part, node.mark) for name, part in parts.items()}
 
 

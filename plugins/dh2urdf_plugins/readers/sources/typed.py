@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from contextlib import suppress
@@ -31,16 +29,12 @@ _CHOSEN = {"length": LENGTH_UNITS, "angle": ANGLE_UNITS}
 """Keys of `units` that a `TableText` has a choice of, and what it may choose."""
 _STATED = ("convention", "base", "tool", "payload", "defaults", "visuals", "collisions")
 _DOCUMENTS = (".yaml", ".yml", ".json")
-_WITHOUT_CHOICE = {"inertia": "kg·m²", "effort": "[Nm, N]", "damping": "[N·m·s/rad, N·s/m]"}
-_MEASURED = {
-    word: tuple(name for name, field in ROW_FIELDS.items() if field.dimension is dimension)
-    for word, dimension in (
-        ("inertia", Dimension.INERTIA),
-        ("effort", Dimension.TORQUE),
-        ("damping", Dimension.DAMPING),
-    )
+_WITHOUT_CHOICE = {
+    "inertia": (Dimension.INERTIA, "kg·m²"),
+    "effort": (Dimension.TORQUE, "[Nm, N]"),
+    "damping": (Dimension.DAMPING, "[N·m·s/rad, N·s/m]"),
 }
-"""What a `TableText` has in SI units, whatever its lengths are in: units by key, and fields that have them."""
+"""What a `TableText` has in SI units, whatever its lengths are in, by the key of `units`."""
 _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""
 _COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload", "defaults")
@@ -81,9 +75,10 @@ def _written(table: TableText, fields: Sequence[str], rows: Sequence[Mapping[str
         name = re.sub("[,;]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(table.name, ensure_ascii=False))
     said = {"name": name, "convention": table.convention, "length_unit": units}
     said |= {key: getattr(table, key) for key in ("base", "tool", "payload", "defaults")}
-    for field, value in ((field, text) for field, text in said.items() if text.strip()):
-        places.append(Place(line=len(lines) + 1, column=1, row=None, field=field))
-        lines.append(f"# {field if field not in ('length_unit', 'angle_unit') else 'units'}: {value}")
+    for field, text in said.items():
+        if text.strip():
+            places.append(Place(line=len(lines) + 1, column=1, row=None, field=field))
+            lines.append(f"# {'units' if field == 'length_unit' else field}: {text}")
     lines.append(",".join(fields))
     for number, row in enumerate(rows):
         line = ""
@@ -102,11 +97,8 @@ def _cell(text: str, *, is_name: bool) -> str:
     """
     if is_name and text.lstrip("'").startswith(tuple(COMPUTED)):
         text = f"'{text}"
-    if not _QUOTED.intersection(text) and not text.startswith(SIGNS):
-        return text
-    written = io.StringIO()
-    csv.writer(written, lineterminator="", quoting=csv.QUOTE_ALL).writerow([text])
-    return written.getvalue()
+    is_bare = not _QUOTED.intersection(text) and not text.startswith(SIGNS)
+    return text if is_bare else f'"{text.replace(chr(34), chr(34) * 2)}"'
 
 
 # --- YAML ------------------------------------------------------------------------------------------------------------
@@ -189,6 +181,6 @@ def units_text(table: TableText) -> str:
     """What a table declares about its units, as a mapping of YAML: its own choice, and units of other numbers."""
     said = {"length": table.length_unit, "angle": table.angle_unit}
     if (table.length_unit, table.angle_unit) != ("m", "rad"):
-        used = table.columns()
-        said |= {key: _WITHOUT_CHOICE[key] for key, fields in _MEASURED.items() if {*fields}.intersection(used)}
+        used = {ROW_FIELDS[name].dimension for name in table.columns() if name in ROW_FIELDS}
+        said |= {key: unit for key, (dimension, unit) in _WITHOUT_CHOICE.items() if dimension in used}
     return f"{{{', '.join(f'{key}: {unit}' for key, unit in said.items())}}}"

@@ -50,7 +50,6 @@ _STRICT = b"http://purl.oclc.org/ooxml/"
 
 MAX_ROW, MAX_COLUMN = 2**20, 2**14
 """The last row and column of a sheet in Excel."""
-_FEW = 8
 _YES = ("1", "true")
 _EXACT = 2**53
 """Whole numbers up to here are doubles."""
@@ -79,14 +78,13 @@ def read_workbook(path: Path, options: XlsxOptions, trace: Trace | None = None) 
         tables, notices = _tables(path, sheets, options.sheet)
         found = [(table, at) for table in tables for at in range(1, len(table.headers) + 1)]
         if options.table_number is not None:
-            table, number = _chosen(found, options.table_number, path)
-            tables = [table]
+            found = [_chosen(found, options.table_number, path)]
+            tables = [found[0][0]]
         for table in tables:
             name = path.stem if len(tables) == 1 else table.title
             try:
-                if options.table_number is None:
-                    own = [each for each in found if each[0] is table]  # none: the reader of tables says what it lacks
-                    number = _chosen(own, None, path)[1] if own else 1
+                own = [each for each in found if each[0] is table]  # none: the reader of tables says what it lacks
+                number = _chosen(own, None, path)[1] if own else 1
                 rows, said = one_table(table, number) if len(table.headers) > 1 else table, [*notices, *table.hidden()]
                 yield from read_table(
                     rows, str(path), options, name=name, decimal_comma=True, notices=said, trace=trace
@@ -284,7 +282,7 @@ class SheetRows:
             if cell is not None and any(int(each["min"]) <= index <= int(each["max"]) for each in columns):
                 found.append(f"column {get_column_letter(index)}")
         place = Mark(file=str(self.path), place=self.title)
-        return [say("hidden-cells", place, hidden=listed(found, _FEW))] if found else []
+        return [say("hidden-cells", place, hidden=listed(found, 8))] if found else []
 
     def _value(self, cell: dict[str, Any]) -> Value:  # noqa: PLR0911 - one for each kind of value
         """What a cell holds, and the unit that it shows."""

@@ -20,14 +20,7 @@ from dh2urdf_plugins.readers.header.units import UNIT_KEYS
 from dh2urdf_plugins.readers.header.words import SHORTEST_CORE
 from dh2urdf_plugins.readers.sources.documents import NOT_IN_A_JOINT
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, SHAPES
-from dh2urdf_plugins.readers.words.fields import (
-    FIELDS,
-    GROUPS,
-    IGNORED,
-    key_of,
-    keys_of,
-    words_for,
-)
+from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED, key_of, keys_of, words_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

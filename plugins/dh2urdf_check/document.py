@@ -48,11 +48,34 @@ def parse(content: bytes) -> Parsed:
     """The tree of a text."""
     if content[:2] in {b"\xff\xfe", b"\xfe\xff"} or b"\0" in content[:4]:
         raise NotXmlError("it is encoded in UTF-16 or UTF-32, and readers take UTF-8")
-    tree = _Tree()
+    places: dict[etree._Element, tuple[int, int]] = {}
+    above: list[etree._Element | None] = []
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+
+    def started(tag: str, attributes: dict[str, str]) -> None:
+        if len(above) > DEEPEST:
+            above.append(None)
+            return
+        values = {
+            _name(name): text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n") for name, text in attributes.items()
+        }
+        holder = above[-1] if above else None
+        element = etree.Element(_name(tag), values) if holder is None else etree.SubElement(holder, _name(tag), values)
+        above.append(element)
+        places[element] = (parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
+
+    def read(text: str) -> None:
+        element = above[-1] if above else None
+        if element is not None and not len(element):
+            element.text = (element.text or "") + text
+
+    parser.StartElementHandler, parser.EndElementHandler = started, lambda _tag: above.pop()
+    parser.CharacterDataHandler = read
     try:
-        tree.parser.Parse(_read_as(content), True)
+        parser.Parse(_read_as(content), True)
     except expat.ExpatError as error:
-        if tree.above or not tree.places:
+        if above or not places:
             raise NotXmlError(expat.ErrorString(error.code), error.lineno, error.offset + 1) from None
     complaint = None
     try:
@@ -61,7 +84,11 @@ def parse(content: bytes) -> Parsed:
         complaint = expat.ErrorString(error.code), (error.lineno, error.offset + 1)
     except (ValueError, LookupError) as error:  # an encoding that Python does not know, or that is no 8-bit one
         complaint = str(error), (1, 1)
-    return Parsed(next(iter(tree.places)), tree.places, complaint)
+    return Parsed(next(iter(places)), places, complaint)
+
+
+def _name(name: str) -> str:
+    return f"{'_' if name.startswith(':') else ''}{name.replace(':', '.')}"
 
 
 def without_comments(text: str) -> str:
@@ -91,37 +118,3 @@ def _read_as(content: bytes) -> str:
         text = f"{text[: found.start()]}{_NO_BREAK.sub(' ', found[0])}{text[found.end() :]}"
     text = _NO_REFERENCE.sub("&amp;", _NO_LETTER.sub(lambda found: " " if found[0] == "\0" else "?", text))
     return _VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
-
-
-class _Tree:
-    """Makes the elements of what expat finds."""
-
-    def __init__(self) -> None:
-        self.places: dict[etree._Element, tuple[int, int]] = {}
-        self.above: list[etree._Element | None] = []
-        self.parser = expat.ParserCreate()
-        self.parser.buffer_text = True
-        self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = lambda _tag: self.above.pop()
-        self.parser.CharacterDataHandler = self._text
-
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self.above) > DEEPEST:
-            self.above.append(None)
-            return
-        values = {
-            _name(name): text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n") for name, text in attributes.items()
-        }
-        holder = self.above[-1] if self.above else None
-        element = etree.Element(_name(tag), values) if holder is None else etree.SubElement(holder, _name(tag), values)
-        self.above.append(element)
-        self.places[element] = (self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
-
-    def _text(self, text: str) -> None:
-        element = self.above[-1] if self.above else None
-        if element is not None and not len(element):
-            element.text = (element.text or "") + text
-
-
-def _name(name: str) -> str:
-    return f"{'_' if name.startswith(':') else ''}{name.replace(':', '.')}"

@@ -14,7 +14,7 @@ from dh2urdf.documents import is_file, is_there, kind_of_file, read_bytes
 from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
 from dh2urdf.source import Mark
-from dh2urdf.stages import Expansion, Finding, Inspection
+from dh2urdf.stages import Expansion, Inspection
 from dh2urdf_check.document import NotXmlError, parse
 from dh2urdf_check.finders import Document, text_of
 from dh2urdf_check.meshes import is_found_by_pybullet
@@ -50,7 +50,7 @@ def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
     except ProofError as error:
         (problem,) = error.problems
         mark = problem.mark or Mark(file=str(path))
-        return _only(rules(), CONSUMERS, "xacro-fails", problem.message, replace(mark, line=mark.line or 1))
+        return _only(rules()["xacro-fails"], CONSUMERS, problem.message, replace(mark, line=mark.line or 1))
     return _inspection(path, _PROLOGUE + expanded.content, expansion, expanded.places)
 
 
@@ -65,7 +65,7 @@ def _inspection(
         reason = f"it is {found[0]}" if (found := kind_of_file(content)) else error.reason
         line, column = error.at
         mark = Mark(file=str(path), line=line, column=column)
-        return _only(rules(), CONSUMERS, "not-xml", f"no reader takes this: {reason}", mark)
+        return _only(rules()["not-xml"], CONSUMERS, f"no reader takes this: {reason}", mark)
     origins = _Origins(path, parsed, places)
     document = Urdf(parsed, path, content, origins.said, packages)
     hits = [*document.hits(rules().values()), *number_hits(document)]
@@ -73,7 +73,7 @@ def _inspection(
         reason, at = parsed.complaint
         hits.append(Hit("not-strict-xml", at, reason, frozenset(CONSUMERS)))
     hits.sort(key=lambda hit: origins.place(hit.at))
-    findings = [rules()[hit.rule].finding(hit.message, hit.of, *origins.of(hit.at)) for hit in hits]
+    findings = [rules()[hit.rule].finding(hit.message, *origins.of(hit.at), hit.of) for hit in hits]
     for each in parsed.places:
         if str(each.tag).rpartition(".")[2] == "include":
             mark, calls = origins.of(each)
@@ -83,10 +83,9 @@ def _inspection(
     return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
 
 
-def _only(known: Mapping[str, Rule], consumers: Mapping[str, str], rule: str, message: str, mark: Mark) -> Inspection:
+def _only(rule: Rule, consumers: Mapping[str, str], message: str, mark: Mark) -> Inspection:
     """An inspection with one finding, about a file of which nothing else can be checked."""
-    finding = known[rule].finding(message, consumers, mark)
-    return Inspection(consumers=consumers, findings=(finding,))
+    return Inspection(consumers=consumers, findings=(rule.finding(message, mark),))
 
 
 class _Origins:
@@ -162,20 +161,16 @@ def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Any]) -> 
         (problem,) = error.problems
         mark = problem.mark or Mark(file=str(path))
         mark = replace(mark, line=max(mark.line or 1, 1), column=max(mark.column or 1, 1))
-        return _only(known, consumers, f"{name}-not-xml", problem.message, mark)
+        return _only(known[f"{name}-not-xml"], consumers, problem.message, mark)
     root.set(FILE, str(path))
     if root.tag != tag:
         message = f"the outermost element is {root.tag}, not {tag}"
-        return _only(known, consumers, f"{name}-not-{tag}", message, mark_of(root))
-    found = list[Finding]()
-    if name == "mjcf":
-        rule = known["mjcf-missing-include"]
-        for each in include_files(root, path):
-            found.append(rule.finding(each.message, rule.outcomes, mark_of(each.include)))
-    of_format = _of_sdf if name == "sdf" else _of_mjcf
-    document = Document(root, path, of_format(root, path))
+        return _only(known[f"{name}-not-{tag}"], consumers, message, mark_of(root))
+    included = include_files(root, path) if name == "mjcf" else ()
+    found = [known["mjcf-missing-include"].finding(each.message, mark_of(each.include)) for each in included]
+    document = Document(root, path, _of_sdf(root, path) if name == "sdf" else _of_mjcf(root, path))
     hits = [*document.hits(known.values())]
-    found += [known[hit.rule].finding(hit.message, hit.of, mark_of(hit.at)) for hit in hits]  # type: ignore[arg-type]  # no rule is of the text
+    found += [known[hit.rule].finding(hit.message, mark_of(hit.at), of=hit.of) for hit in hits]  # type: ignore[arg-type]  # no rule is of the text
     missing = {hit.at for hit in hits if hit.rule == "sdf-missing-include"}
     for element in (*root.iter("{*}include"), *root.iterfind("asset/model")):  # Files of MJCF are in its tree already.
         uri = element.find("uri")

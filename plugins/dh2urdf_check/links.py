@@ -15,9 +15,10 @@ from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import WEIGHTLESS, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, X_AXIS, Z_AXIS, ZERO, RigidTransform, add, norm, rotate, scale
 from dh2urdf_check.numbers import mujoco_numbers, numbers_of
+from dh2urdf_plugins.formats.xml_files import BOUNDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
 
     from lxml import etree
 
@@ -60,6 +61,7 @@ class Links:
         # The links that no joint moves.
         self.roots = [name for name in self.link if name not in self.holders]
         self.body, self.merged = cache(self._body), cache(self._merged)
+        self.kept, self.holding_nothing = self._kept_by_sdformat()
 
     def holder(self, name: str) -> JointNode | None:
         """The joint that moves a link."""
@@ -116,10 +118,24 @@ class Links:
         if not self.roots:
             return None
         first: dict[str, Joint] = {}
-        for joints in self.holders.values():
-            for node in joints:
-                if joint := _read(node, mark(node.element)):
-                    first.setdefault(joint.child, joint)
+        for node in (node for joints in self.holders.values() for node in joints):
+            origin, axis, limit = (node.element.find(tag) for tag in ("origin", "axis", "limit"))
+            kind, xyz, rpy = JOINT_TYPES.get(node.kind), vector_of(origin, "xyz", ZERO), vector_of(origin, "rpy", ZERO)
+            way = Z_AXIS if kind is JointType.FIXED else vector_of(axis, "xyz", X_AXIS)
+            if kind is None or not xyz or not rpy or not way or not norm(way):
+                continue
+            lower, upper = (None if limit is None else numbers_of(limit.get(name), 1) for name in BOUNDS)
+            joint = Joint(
+                name=node.name,
+                type=kind,
+                parent=node.parent,
+                child=node.child,
+                origin=Origin(xyz=xyz, rpy=rpy),
+                axis=scale(1.0 / norm(way), way),
+                limits=Limits(lower=lower[0] if lower else None, upper=upper[0] if upper else None),
+                mark=mark(node.element),
+            )
+            first.setdefault(joint.child, joint)
         names = dict.fromkeys((self.roots[0], *self.link))
         links = tuple(Link(name=name) for name in names)
         return Robot(name=self.root.get("name") or "", links=links, joints=tuple(first.values()))
@@ -176,9 +192,11 @@ class Links:
 
     # --- What sdformat keeps ------------------------------------------------------------------------------------------
 
-    @cached_property
-    def kept(self) -> dict[str, list[str]]:
-        """The links that are left, each with those that are fixed to it; below one that weighs nothing, none."""
+    def _kept_by_sdformat(self) -> tuple[dict[str, list[str]], set[str]]:
+        """The links that are left, each with those that are fixed to it; below one that weighs nothing, none.
+
+        Besides, those that weigh nothing with all that is fixed to them: sdformat drops what moves on them.
+        """
         root = self.roots[:1]
         apart = {
             extension.get("reference")
@@ -189,6 +207,7 @@ class Links:
         }
         heads = [joint.child for joint in self.held.get(WORLD, ())] if root == [WORLD] else list(root)
         seen, found = {WORLD} if root == [WORLD] else set[str](), dict[str, list[str]]()
+        holding_nothing = set[str]()
         for head in heads:
             if head in seen:
                 continue
@@ -204,22 +223,13 @@ class Links:
             if head != WORLD and abs(sum(self.masses[name] for name in body)) <= _NOTHING:
                 continue
             found[head] = body
-            lost = set(self._holding_nothing(body))
-            heads.extend(joint.child for joint in joints if joint.parent not in lost)
-        return found
-
-    def _holding_nothing(self, body: list[str]) -> Iterator[str]:
-        """Links of a body that weigh nothing, with all that is fixed to them: sdformat drops what moves on them."""
-        weights: dict[str, float] = {}
-        for name in reversed(body):  # What is fixed to a link comes after it.
-            below = (joint.child for joint in self.held.get(name, ()) if joint.kind == "fixed")
-            weights[name] = self.masses[name] + sum(weights.get(child, 0.0) for child in below)
-        return (name for name in body[1:] if abs(weights[name]) <= _NOTHING and name != WORLD)
-
-    @cached_property
-    def holding_nothing(self) -> list[str]:
-        """Those of all bodies."""
-        return [name for body in self.kept.values() for name in self._holding_nothing(body)]
+            weights: dict[str, float] = {}
+            for name in reversed(body):  # What is fixed to a link comes after it.
+                below = (joint.child for joint in self.held.get(name, ()) if joint.kind == "fixed")
+                weights[name] = self.masses[name] + sum(weights.get(child, 0.0) for child in below)
+            holding_nothing |= {name for name in body[1:] if abs(weights[name]) <= _NOTHING and name != WORLD}
+            heads.extend(joint.child for joint in joints if joint.parent not in holding_nothing)
+        return found, holding_nothing
 
     @cached_property
     def without_centre(self) -> list[str]:
@@ -241,15 +251,16 @@ class Links:
         return found
 
     @cached_property
-    def _body_of(self) -> dict[str, list[str]]:
-        return {name: body for body in self.kept.values() for name in body}
-
-    def suits_gazebo(self, name: str) -> bool:
-        """Whether sdformat drops a link, or what is fixed to the link makes mass and inertia right."""
-        if name not in self._body_of:
-            return True
-        body = self.merged(tuple(self._body_of[name]))
-        return body is not None and body.mass >= 0.0 and law(body.inertia) not in {"definite", "triangle"}
+    def refused_by_gazebo(self) -> set[str]:
+        """Links that sdformat keeps, and whose mass or inertia is wrong with what is fixed to them."""
+        return {
+            name
+            for names in self.kept.values()
+            if (body := self.merged(tuple(names))) is None
+            or body.mass < 0.0
+            or law(body.inertia) in {"definite", "triangle"}
+            for name in names
+        }
 
 
 def _blocked(graph: dict[str, list[str]]) -> set[str]:
@@ -274,25 +285,6 @@ def pose_of(origin: etree._Element | None) -> RigidTransform | None:
     """The frame of an origin; None where it is not written in numbers."""
     xyz, rpy = vector_of(origin, "xyz", ZERO), vector_of(origin, "rpy", ZERO)
     return RigidTransform.from_xyz_rpy(xyz, rpy) if xyz and rpy else None
-
-
-def _read(node: JointNode, mark: Mark) -> Joint | None:
-    origin, axis, limit = (node.element.find(tag) for tag in ("origin", "axis", "limit"))
-    kind, xyz, rpy = JOINT_TYPES.get(node.kind), vector_of(origin, "xyz", ZERO), vector_of(origin, "rpy", ZERO)
-    way = Z_AXIS if kind is JointType.FIXED else vector_of(axis, "xyz", X_AXIS)
-    if kind is None or not xyz or not rpy or not way or not norm(way):
-        return None
-    lower, upper = (None if limit is None else numbers_of(limit.get(name), 1) for name in ("lower", "upper"))
-    return Joint(
-        name=node.name,
-        type=kind,
-        parent=node.parent,
-        child=node.child,
-        origin=Origin(xyz=xyz, rpy=rpy),
-        axis=scale(1.0 / norm(way), way),
-        limits=Limits(lower=lower[0] if lower else None, upper=upper[0] if upper else None),
-        mark=mark,
-    )
 
 
 # --- Bodies -----------------------------------------------------------------------------------------------------------

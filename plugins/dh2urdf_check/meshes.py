@@ -26,8 +26,6 @@ from dh2urdf.meshes import FILE, PACKAGE, path_of_address
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from dh2urdf.rotations import Vec3
-
 LARGEST = 2**25
 """Size of a mesh file that is read [B]."""
 _SECONDS = 60.0
@@ -68,11 +66,18 @@ def read_meshes(paths: Iterable[Path]) -> dict[Path, MeshFile]:
     found: dict[Path, MeshFile] = {}
     left: dict[Path, tuple[bytes, str]] = {}
     for path in paths:
-        if path.suffix.lower() in _READ and path.stat().st_size <= LARGEST:
-            content = path.read_bytes()
-            found[path] = _at_first_sight(content, path.suffix.lower())
-            if found[path].is_odd and not found[path].problem:
-                left[path] = content, path.suffix.lower()
+        suffix = path.suffix.lower()
+        if suffix not in _READ or path.stat().st_size > LARGEST:
+            continue
+        content = path.read_bytes()
+        if not content.strip(b"\0 \t\r\n"):
+            found[path] = MeshFile("it is empty")
+        elif content.startswith(_POINTER):
+            found[path] = MeshFile("it is a pointer of Git LFS, and not the file")
+        else:
+            found[path] = {".stl": _stl, ".obj": _obj, ".dae": _collada}[suffix](content)
+        if found[path].is_odd:
+            left[path] = content, suffix
     if not left:
         return found
     try:
@@ -87,17 +92,6 @@ def read_meshes(paths: Iterable[Path]) -> dict[Path, MeshFile]:
     return found
 
 
-def _at_first_sight(content: bytes, suffix: str) -> MeshFile:
-    """What is known of a file without a package for meshes."""
-    if not content.strip(b"\0 \t\r\n"):
-        return MeshFile("it is empty")
-    if content.startswith(_POINTER):
-        return MeshFile("it is a pointer of Git LFS, and not the file")
-    if suffix == ".stl":
-        return _stl(content)
-    return _collada(content) if suffix == ".dae" else _obj(content)
-
-
 def _stl(content: bytes) -> MeshFile:
     is_text = content.lstrip().startswith(b"solid") and b"facet" in content[: 2**12]
     count = struct.unpack_from("<I", content, _HEADER - 4)[0] if len(content) >= _HEADER else 0
@@ -109,8 +103,7 @@ def _stl(content: bytes) -> MeshFile:
 
     kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
     corners = np.frombuffer(content, kind, count, _HEADER)["corners"].reshape(-1, 3).astype(float)
-    sides, is_planar = _extents(corners)
-    return MeshFile(sides=sides, is_planar=is_planar, triangles=count)
+    return _measured(corners)._replace(triangles=count)
 
 
 def _obj(content: bytes) -> MeshFile:
@@ -120,10 +113,8 @@ def _obj(content: bytes) -> MeshFile:
         corners = np.array(_VERTEX.findall(content), dtype=float).reshape(-1, 3)
     except ValueError:
         return MeshFile(is_odd=True)
-    if len(corners) < _CORNERS or not _FACE.search(content):
-        return MeshFile(is_odd=True)
-    sides, is_planar = _extents(corners)
-    return MeshFile(sides=sides, is_planar=is_planar, is_odd=sides is None)
+    known = _measured(corners) if len(corners) >= _CORNERS and _FACE.search(content) else MeshFile()
+    return known._replace(is_odd=known.sides is None)
 
 
 def _collada(content: bytes) -> MeshFile:
@@ -194,22 +185,22 @@ def _behind_fence(files: list[tuple[bytes, str]]) -> list[MeshFile]:
         except Exception as error:  # noqa: BLE001 - what a reader of other people's files raises is anything
             found.append(MeshFile(f"it cannot be read: {error!s:.100}"))
             continue
-        sides, is_planar = _extents(np.concatenate(placed)) if placed else (None, False)
-        found.append(MeshFile("" if placed else "it has no triangles", sides, is_planar))
+        found.append(_measured(np.concatenate(placed)) if placed else MeshFile("it has no triangles"))
     return found
 
 
-def _extents(corners: Any) -> tuple[Vec3 | None, bool]:  # noqa: ANN401 - an array of shape (N, 3)
-    """The extents of corners along x, y and z, and whether they are in a plane; None where one is not finite."""
+def _measured(corners: Any) -> MeshFile:  # noqa: ANN401 - an array of shape (N, 3)
+    """A mesh whose triangles have these corners, of which only finite ones have sides."""
     import numpy as np
 
     if not np.isfinite(corners).all():
-        return None, False
+        return MeshFile()
     low, high = corners.min(axis=0), corners.max(axis=0)
     # The spread across the plane that fits best, by the singular values of the corners about their middle.
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False, full_matrices=False)
     x, y, z = (float(side) for side in high - low)
-    return (x, y, z), bool(spread[-1] <= _FLAT * max(spread[0], 1e-300) * math.sqrt(len(corners)))
+    is_planar = bool(spread[-1] <= _FLAT * max(spread[0], 1e-300) * math.sqrt(len(corners)))
+    return MeshFile(sides=(x, y, z), is_planar=is_planar)
 
 
 # --- Where readers look for the files that a description names --------------------------------------------------------

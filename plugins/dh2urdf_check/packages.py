@@ -46,8 +46,7 @@ _DESCRIPTIONS = {".urdf", ".xacro"}
 
 def broken(rule: str, mark: Mark, message: str) -> Finding:
     """The finding that a rule is broken at a place."""
-    known = package_rules()[rule]
-    return known.finding(message, known.outcomes, mark)
+    return package_rules()[rule].finding(message, mark)
 
 
 def parsed(content: bytes, path: Path) -> etree._Element:
@@ -73,7 +72,7 @@ class Package:
     """A package of ROS 2, whose package.xml has the outermost element `root`; `known` are the folders of packages."""
 
     def __init__(self, folder: Path, root: etree._Element, known: Mapping[str, Path]) -> None:
-        self.folder, self.root, self.manifest = folder, root, folder / PACKAGE_FILE
+        self.folder, self.root = folder, root
         self.name = (root.findtext("name") or "").strip()
         self.known = {**{name: each for name, each in known.items() if each != folder.resolve()}, self.name: folder}
 
@@ -101,32 +100,21 @@ class Package:
         """The robots of the descriptions that the package has, or that its `.setup_assistant` names."""
         roots = {path: "robot" for path in self.files if path.suffix in _DESCRIPTIONS}
         found, robots = [*urdfs(roots), *xacros(roots)], list[Robot | None]()
-        for path in found or self._of_the_setup_assistant():
+        if not found:
+            with suppress(InputError, KeyError, TypeError, AttributeError):
+                content = self.content(self.folder / ".setup_assistant") or b""
+                settings = load_yaml(content, ".setup_assistant", InputError).plain()["moveit_setup_assistant_config"]
+                urdf = settings.get("urdf") or settings["URDF"]
+                found = [each for each in [self.known[urdf["package"]] / urdf["relative_path"]] if is_file(each)]
+        for path in found:
             form, packages = path.suffix.removeprefix("."), tuple(self.known.values())
             expansion = Expansion(package_paths=packages) if form == "xacro" else Expansion()
             with suppress(Dh2UrdfError):  # The check of the description itself reports it.
                 robots.append(describe(form if form == "xacro" else "urdf", path, expansion).robot)
         return tuple(filter(None, robots))
 
-    @cached_property
-    def joints(self) -> dict[str, Joint]:
-        """The joints of all these robots that move."""
-        return {joint.name: joint for robot in self.robots for joint in robot.moving_joints}
-
-    def _of_the_setup_assistant(self) -> list[Path]:
-        content = self.content(self.folder / ".setup_assistant") or b""
-        with suppress(InputError, KeyError, TypeError, AttributeError):
-            settings = load_yaml(content, ".setup_assistant", InputError).plain()["moveit_setup_assistant_config"]
-            urdf = settings.get("urdf") or settings["URDF"]
-            path = self.known[urdf["package"]] / urdf["relative_path"]
-            return [path] if is_file(path) else []
-        return []
-
 
 # --- What is reported of a package ------------------------------------------------------------------------------------
-
-
-_PROJECT = re.compile(r"^[ \t]*project\s*\(\s*([^\s)]+)", re.IGNORECASE | re.MULTILINE)
 
 
 def packages(roots: Mapping[Path, str]) -> Iterator[Path]:
@@ -151,18 +139,8 @@ def inspect_package(path: Path, expansion: Expansion) -> Inspection:
         found.append(broken("package-not-xml", Mark(file=str(place), line=line), fault))
     else:
         package = Package(place.parent, root, with_its_own(path, packages_in(expansion.package_paths)))
-        found += [*of_document(Document(root, place)), *_project(package), *_paths(package), *_names(package)]
+        found += [*of_document(Document(root, place)), *_paths(package), *_names(package)]
     return Inspection(consumers=CONSUMERS, findings=tuple(found))
-
-
-def _project(package: Package) -> Iterator[Finding]:
-    path = package.folder / "CMakeLists.txt"
-    text = (package.content(path) or b"").decode("utf-8", "replace")
-    match = _PROJECT.search(text)
-    if match and "$" not in match[1] and match[1].strip('"') != package.name:
-        mark = Mark(file=str(path), line=text.count("\n", 0, match.start(1)) + 1)
-        message = f"the project is {shown(match[1])}, the package {shown(package.name)}"
-        yield broken("package-project-name", mark, message)
 
 
 # --- Packages and paths that xacros, descriptions and launch files name -----------------------------------------------
@@ -176,6 +154,7 @@ _DECLARED = ("depend", "exec_depend", "run_depend")
 _TEXT = r"[\"']([^\"'\n]+)[\"']"
 _SHARE = rf"(?:FindPackageShare|get_package_share_(?:directory|path))\(\s*(?:package(?:_name)?\s*=\s*)?{_TEXT}\s*\)"
 """How Python names the folder of a package."""
+_PROJECT = re.compile(r"^[ \t]*project\s*\(\s*([^\s)]+)", re.IGNORECASE | re.MULTILINE)
 _INSTALL = re.compile(
     r"install\s*\(\s*(?:DIRECTORY|FILES|PROGRAMS)\s+([^)]*?)\s+DESTINATION\b|INSTALL_TO_SHARE\s+([^)]*)\)",
     re.IGNORECASE,
@@ -192,14 +171,24 @@ class Use(NamedTuple):
 
 
 def _paths(package: Package) -> Iterator[Finding]:
-    """What there is to report of them."""
+    """What there is to report of them, and of what CMakeLists.txt has of the package."""
+    path = package.folder / "CMakeLists.txt"
+    content = package.content(path)
+    text = (content or b"").decode("utf-8", "replace")
+    match = _PROJECT.search(text)
+    if match and "$" not in match[1] and match[1].strip('"') != package.name:
+        mark = Mark(file=str(path), line=text.count("\n", 0, match.start(1)) + 1)
+        message = f"the project is {shown(match[1])}, the package {shown(package.name)}"
+        yield broken("package-project-name", mark, message)
+    found = [match[1] or match[2] or "" for match in _INSTALL.finditer(re.sub(r"#[^\n]*", "", text))]
+    # What it installs; None where there is no such file, or where variables name it.
+    words = [word.strip('"') for names in found for word in names.split()]
+    installed = None if content is None or "$" in "".join(words) else words
     declared = {(element.text or "").strip() for tag in _DECLARED for element in package.root.findall(tag)}
     declared.add(package.name)
-    installed = _installed(package)
-    reported: set[str] = set()
     for use in _uses(package):
-        if use.package not in declared and use.package not in reported:
-            reported.add(use.package)
+        if use.package not in declared:
+            declared.add(use.package)  # It is reported once.
             yield broken("package-undeclared", use.mark, f"the package {shown(use.package)} is not in package.xml")
         folder = package.known.get(use.package)
         if folder is None or not use.path:
@@ -215,24 +204,18 @@ def _paths(package: Package) -> Iterator[Finding]:
 
 def _uses(package: Package) -> Iterator[Use]:
     for path in package.files:
-        if path == package.manifest or "test" in path.relative_to(package.folder).parts:
+        inside, content = path.relative_to(package.folder).parts, package.content
+        if path == package.folder / PACKAGE_FILE or "test" in inside:
             continue
         if path.suffix in _MARKUP:
-            yield from _in_markup(path, package.content(path) or b"")
-        elif path.suffix == ".py" and ("launch" in path.name or "launch" in path.relative_to(package.folder).parts):
-            yield from _in_launch(path, package.content(path) or b"")
-
-
-def _in_markup(path: Path, content: bytes) -> Iterator[Use]:
-    try:
-        root = parsed(content, path)
-    except etree.XMLSyntaxError:  # The rules of descriptions report it.
-        return
-    for element in root.iter(etree.Element):
-        mark = Mark(file=str(path), line=element.sourceline)  # type: ignore[arg-type]  # the stubs of lxml
-        for text in (*map(str, element.attrib.values()), element.text or ""):
-            for match in _IN_XML.finditer(text):
-                yield Use(match[1], match[2].strip("/"), mark, is_mesh=match[0].startswith(PACKAGE))
+            with suppress(etree.XMLSyntaxError):  # The rules of descriptions report it.
+                for element in parsed(content(path) or b"", path).iter(etree.Element):
+                    for text in (*map(str, element.attrib.values()), element.text or ""):
+                        for match in _IN_XML.finditer(text):
+                            is_mesh = match[0].startswith(PACKAGE)
+                            yield Use(match[1], match[2].strip("/"), mark_of(element), is_mesh)
+        elif path.suffix == ".py" and ("launch" in path.name or "launch" in inside):
+            yield from _in_launch(path, content(path) or b"")
 
 
 def _in_launch(path: Path, content: bytes) -> Iterator[Use]:
@@ -255,16 +238,6 @@ def _in_launch(path: Path, content: bytes) -> Iterator[Use]:
         yield use(match, named[1] if named else f"{match[1]}_moveit_config")
 
 
-def _installed(package: Package) -> list[PurePosixPath] | None:
-    """What CMakeLists.txt installs; None where there is none, or where variables name it."""
-    content = package.content(package.folder / "CMakeLists.txt")
-    if content is None:
-        return None
-    text = re.sub(r"#[^\n]*", "", content.decode("utf-8", "replace"))
-    words = [word.strip('"') for match in _INSTALL.finditer(text) for word in (match[1] or match[2] or "").split()]
-    return None if any("$" in word for word in words) else [PurePosixPath(word) for word in words]
-
-
 # --- Joints, links and limits in files of parameters and SRDFs --------------------------------------------------------
 
 
@@ -282,8 +255,9 @@ _NEAR = 1e-6
 def _names(package: Package) -> Iterator[Finding]:
     """What there is to report of them; of joints only where a description can be read."""
     files: list[tuple[Document, dict[object, Mark]]] = []
+    joints = {joint.name: joint for robot in package.robots for joint in robot.moving_joints}
     controllers = set[str]()  # of ros2_control, in any of the files
-    functions = {**_functions(package.joints), "has-controllers": lambda _: bool(controllers)}
+    functions = {**_functions(joints), "has-controllers": lambda _: bool(controllers)}
     for path in package.files:
         content = package.content(path) if path.suffix in {".yaml", ".yml"} else None
         if content is None or _TAG.search(content):
@@ -296,14 +270,14 @@ def _names(package: Package) -> Iterator[Finding]:
             yield broken("package-not-yaml", problem.mark or Mark(file=str(path)), problem.message)
             continue
         document = Document(root, path, functions)
-        document.sets |= {"$joints": package.joints, "$controllers": controllers}
+        document.sets |= {"$joints": joints, "$controllers": controllers}
         controllers.update(document.select(_ROS2_CONTROLLERS))
         files.append((document, marks))
     for document, marks in files:
         yield from of_document(document, marks.__getitem__)
         for limits in document.select(_FOR_PLANNING):
             entries = {entry.get("key"): entry for entry in limits}
-            for name in package.joints:
+            for name in joints:
                 entry = entries.get(name, limits)
                 if entry.findtext("has_acceleration_limits") != "True" or entry.find("max_acceleration") is None:
                     yield broken("package-missing-limits", marks[entry], f"the joint {shown(name)} has no acceleration")

@@ -145,7 +145,7 @@ def _comparison_entry(agreement: Agreement, manipulator: Manipulator, table: Pat
                 for row in corrected.moving_rows
             ],
             "changes": list(changes(manipulator, corrected)),
-            "remaining": _difference(agreement.remaining),
+            "remaining": asdict(agreement.remaining) if agreement.remaining else None,
         }
     return {
         "table": str(table),
@@ -154,14 +154,10 @@ def _comparison_entry(agreement: Agreement, manipulator: Manipulator, table: Pat
         "base_link": agreement.base_link,
         "tip_link": agreement.tip_link,
         "joints": list(agreement.joints),
-        "difference": _difference(agreement.difference),
+        "difference": asdict(agreement.difference) if agreement.difference else None,
         "first_difference": agreement.first_difference,
         "correction": correction,
     }
-
-
-def _difference(difference: Difference | None) -> dict[str, Any] | None:
-    return {**asdict(difference), "q": list(difference.q)} if difference else None
 
 
 def as_sarif(findings: Sequence[Finding]) -> str:

@@ -96,9 +96,11 @@ class Rule(NamedTuple):
     cases: tuple[Case, ...]  # how it is found; none of a rule that a function finds
     proof: Mapping[str, Any]  # a substitution in a sound file that breaks the rule; empty where the tests have it
 
-    def finding(self, message: str, of: Collection[str], mark: Mark, calls: tuple[Mark, ...] = ()) -> Finding:
-        """A finding of this rule, which matters to some consumers."""
-        effects = tuple(effect for effect in self.effects if effect.consumer in of)
+    def finding(
+        self, message: str, mark: Mark, calls: tuple[Mark, ...] = (), of: Collection[str] | None = None
+    ) -> Finding:
+        """A finding of this rule, which matters to all consumers or to some."""
+        effects = tuple(effect for effect in self.effects if of is None or effect.consumer in of)
         return Finding(rule=self.name, message=message, fix=self.fix, effects=effects, mark=mark, calls=calls)
 
 

@@ -66,12 +66,6 @@ class Urdf(Document):
             for joint in joints[1:]
         }
         cut_off = {joint.child for joint in links.joints if joint.parent not in links.link}
-        driven = {
-            str(joint.get("name"))
-            for transmission in links.root.iterchildren("transmission")
-            if "SimpleTransmission" in (transmission.findtext("type") or transmission.get("type") or "")
-            for joint in transmission.iterchildren("joint")
-        }
 
         def kind_above(name: str) -> str:
             holder = links.holder(name)
@@ -96,7 +90,6 @@ class Urdf(Document):
             "moves": of_link(lambda name: kind_above(name) in MOVING),
             "is-fixed": of_link(lambda name: kind_above(name) == "fixed"),
             "is-held": of_link(lambda name: links.holder(name) is not None),
-            "is-root": of_link(lambda name: links.roots[:1] == [name]),
             "is-lost": of_link(lambda name: bool(links.roots) and name not in links.reached and name in links.holders),
             "merges-held": of_link(lambda name: links.holder(links.heads[name]) is not None),
             "moves-merged": of_link(lambda name: kind_above(links.heads[name]) in MOVING),
@@ -105,7 +98,7 @@ class Urdf(Document):
             "touches": of_link(self._touches),
             "massless-inertia": of_link(lambda name: self._law_of_merged(name) == "zero"),
             "kept": of_link(lambda name: name in links.kept),
-            "suits-gazebo": of_link(links.suits_gazebo),
+            "refused-by-gazebo": of_link(lambda name: name in links.refused_by_gazebo),
             "without-centre": of_link(lambda name: name in links.without_centre),
             "holds-nothing": of_link(lambda name: name in links.holding_nothing),
             "implausible": of_element(implausible),
@@ -117,7 +110,6 @@ class Urdf(Document):
             "sides": of_element(lambda at: 2.0 * max(half_sizes(at) or (0.0,)), 0.0),
             "static": lambda _, name: text_of(name) in static,
             "kind": lambda _, name: kinds.get(text_of(name), ""),
-            "is-driven": lambda _, name: text_of(name) in driven,
             "is-second": of_element(lambda at: at in second, missing=False),
             "closes-a-ring": of_element(lambda at: at in rings, missing=False),
             "roots": lambda _: float(len(links.roots)),

@@ -10,15 +10,15 @@ from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import pose_error, written_joint
-from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.robot import Mesh
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages.foreign_robot import following, with_followers
-from dh2urdf_plugins.loaders.measures import carriers, lumped_bodies
+from dh2urdf_plugins.loaders.measures import carriers, edges, lumped_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from dh2urdf.robot import Geometry, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf.stages import HeldRobot, Question
     from dh2urdf.stages.foreign_robot import ForeignRobot
 
@@ -181,10 +181,11 @@ def _shapes(own: ForeignRobot, held: HeldRobot) -> Iterator[Difference]:
     """Boxes, cylinders and spheres of another size, of bodies where the program has as many shapes as the file."""
     carried = carriers(own.robot, held.links.keys())
     for word in ("visual", "collision"):
-        wanted: dict[str, list[tuple[float, ...]]] = {}
+        wanted: dict[str, list[list[float]]] = {}
         for link in own.robot.links:
             for shape in link.visuals if word == "visual" else link.collisions:
-                wanted.setdefault(carried[link.name][0], []).append(_lengths(shape.geometry))
+                lengths = sorted(edges(shape.geometry) or (), reverse=True)  # of a mesh, none
+                wanted.setdefault(carried[link.name][0], []).append(lengths)
         for name, sizes in wanted.items():
             found = sorted(held.shapes.get(name, {}).get(word, ()))
             if len(found) == len(sizes) and all(sizes):
@@ -192,18 +193,6 @@ def _shapes(own: ForeignRobot, held: HeldRobot) -> Iterator[Difference]:
                     if math.dist(is_, was) > _ROUND * max(was):
                         yield Difference("seen-shape", name, f"has a {word} of {_shown(is_)} m, not {_shown(was)} m")
                         break
-
-
-def _lengths(geometry: Geometry) -> tuple[float, ...]:
-    """The lengths of a shape along its axes, the longest first [m]; nothing of a mesh."""
-    match geometry:
-        case Box(size=size):
-            return tuple(sorted(size, reverse=True))
-        case Cylinder(radius=radius, length=length):
-            return tuple(sorted((2 * radius, 2 * radius, length), reverse=True))
-        case Sphere(radius=radius):
-            return 3 * (2 * radius,)
-    return ()
 
 
 def unlike_meshes(robot: Robot, told: Mapping[str, HeldRobot]) -> Iterator[tuple[str, Difference]]:

@@ -381,7 +381,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 660,
     "pipeline/dh2urdf/testing": 1620,
     "pipeline/dh2urdf/variations": 1010,
-    "plugins/dh2urdf_check": 4110,
+    "plugins/dh2urdf_check": 4030,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 230,
     "plugins/dh2urdf_plugins/collision_pairs": 420,

@@ -141,7 +141,7 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
     packages: list[Path] = []
     for folder in folders:
         roots: dict[Path, str] = {}
-        paths = sorted(_files(folder, unreadable))
+        paths = sorted(files_in(folder, unreadable))
         for path in paths:
             try:
                 check_file(path, InputError)
@@ -163,15 +163,17 @@ def described_files(catalog: Catalog, folders: Iterable[Path]) -> Described:
     return Described(tuple(files), tuple(unreadable), looked_at, tuple(packages))
 
 
-def _files(folder: Path, unreadable: list[Problem]) -> Iterator[Path]:
-    """The files in a folder; hidden folders are not entered."""
+def files_in(
+    folder: Path, unreadable: list[Problem], is_entered: Callable[[Path], bool] = lambda _: True
+) -> Iterator[Path]:
+    """The files in a folder, and in those below it that are entered; hidden folders are not."""
 
     def refused(error: OSError) -> None:
         unreadable.append(say("folder-unreadable", Mark(file=str(error.filename)), reason=error.strerror))
 
     for inner, folders, names in os.walk(folder, onerror=refused):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        yield from (Path(inner, name) for name in names)
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and is_entered(Path(inner, name)))
+        yield from (Path(inner, name) for name in sorted(names))
 
 
 def _outermost(path: Path) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import re
 from contextlib import suppress
 from functools import cache, cached_property, partial
+from itertools import islice
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,7 +17,7 @@ from dh2urdf.meshes import PACKAGE, own_folder, packages_in, with_its_own
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf.stages import PACKAGE_FILE, Expansion, Finding, Inspection
-from dh2urdf_check.files import urdfs, xacros
+from dh2urdf_check.files import files_in, urdfs, xacros
 from dh2urdf_check.finders import Document, text_of
 from dh2urdf_check.numbers import numbers_of
 from dh2urdf_check.rules import Rule, rules_of
@@ -79,14 +79,8 @@ class Package:
     @cached_property
     def files(self) -> tuple[Path, ...]:
         """Its files, without hidden folders and packages inside."""
-        found: list[Path] = []
-        for inner, folders, names in os.walk(self.folder):
-            here, own = Path(inner), (name for name in sorted(folders) if not name.startswith("."))
-            folders[:] = [name for name in own if not is_there(here / name / PACKAGE_FILE)]
-            found += [here / name for name in sorted(names)]
-            if len(found) > MOST_FILES:
-                break
-        return tuple(found[:MOST_FILES])
+        own = files_in(self.folder, [], lambda inner: not is_there(inner / PACKAGE_FILE))
+        return tuple(islice(own, MOST_FILES))
 
     def content(self, path: Path) -> bytes | None:
         """The content of a file; None where it cannot be read, which other rules report."""

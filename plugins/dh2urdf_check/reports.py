@@ -40,26 +40,38 @@ def counts(findings: Sequence[Finding]) -> dict[str, int]:
 
 def comparison_finding(agreement: Agreement, manipulator: Manipulator) -> Finding | None:
     """The finding that a description is not the arm of a table; None where it is."""
-    from dh2urdf.kinematics.comparison import changes
-
     if agreement.holds:
         return None
-    message = f"the description is not the arm of the table {manipulator.name!r} as it stands"
+    differences, remedy, changed = _apart(agreement, manipulator)
+    head = f"not the arm of the table {manipulator.name!r} as it stands ({_chain(agreement)})"
+    fix = f"{remedy}: {'; '.join(changed)}" if changed else remedy
+    return Finding(rule=OTHER_ARM, message="; ".join([head, *differences]), fix=fix)
+
+
+def _apart(agreement: Agreement, manipulator: Manipulator) -> tuple[list[str], str, Sequence[str]]:
+    """How a description and a table differ, whether they can agree, and what to change in the table for that."""
+    from dh2urdf.kinematics.comparison import changes
+
+    differences = []
     if agreement.difference is not None:
-        message += f": {agreement.tip_link} is up to {errors_of(agreement.difference)} away"
+        q = ", ".join(f"{value:.4g}" for value in agreement.difference.q)
+        differences.append(f"they differ by up to {_errors(agreement.difference)}, at q = [{q}]")
     if agreement.first_difference:
-        message += f"; {agreement.first_difference}"
+        differences.append(agreement.first_difference)
     corrected, remaining = agreement.corrected, agreement.remaining
     if corrected is None or remaining is None:
-        return Finding(rule=OTHER_ARM, message=message, fix="no base, tool, signs and offsets make them the same arm")
-    said = "; ".join(changes(manipulator, corrected)) or "nothing"
-    what = "makes them the same arm" if remaining.is_none else f"brings them to within {errors_of(remaining)}"
-    return Finding(rule=OTHER_ARM, message=message, fix=f"this in the table {what}: {said}")
+        return differences, "no base, tool, signs and offsets make them the same arm", ()
+    outcome = "agree, within" if remaining.is_none else "differ still, by up to"
+    remedy = f"with this in the table they {outcome} {_errors(remaining)}"
+    return differences, remedy, [*changes(manipulator, corrected)] or ["nothing"]
 
 
-def errors_of(difference: Difference) -> str:
-    """How far two arms are from each other, as a sentence has it."""
+def _errors(difference: Difference) -> str:
     return f"{difference.position_error:.2g} m and {difference.angle_error:.2g} rad"
+
+
+def _chain(agreement: Agreement) -> str:
+    return f"{agreement.base_link} to {agreement.tip_link}, {_count(len(agreement.joints), 'joint')}"
 
 
 class Report(NamedTuple):
@@ -335,22 +347,11 @@ def _count(number: int, what: str) -> str:
 
 
 def _comparison_lines(agreement: Agreement, manipulator: Manipulator, table: Path) -> Iterator[str]:
-    from dh2urdf.kinematics.comparison import changes
-
-    chain = f"{agreement.base_link} to {agreement.tip_link}, {_count(len(agreement.joints), 'joint')}"
+    chain = _chain(agreement)
     if agreement.holds and agreement.difference is not None:
-        yield f"the same arm as {manipulator.name} of {table} ({chain}): within {errors_of(agreement.difference)}"
+        yield f"the same arm as {manipulator.name} of {table} ({chain}): within {_errors(agreement.difference)}"
         return
+    differences, remedy, changed = _apart(agreement, manipulator)
     yield f"error: not the arm {manipulator.name} of {table} as it stands ({chain}) [{OTHER_ARM}]"
-    if agreement.difference is not None:
-        q = ", ".join(f"{value:.4g}" for value in agreement.difference.q)
-        yield f"    they differ by up to {errors_of(agreement.difference)}, at q = [{q}]"
-    if agreement.first_difference:
-        yield f"    {agreement.first_difference}"
-    if agreement.corrected is None or agreement.remaining is None:
-        yield "    no base, tool, signs and offsets make them the same arm"
-        return
-    outcome = "agree, within" if agreement.remaining.is_none else "differ still, by up to"
-    yield f"    with this in the table they {outcome} {errors_of(agreement.remaining)}:"
-    for line in changes(manipulator, agreement.corrected):
-        yield f"        {line}"
+    yield from (f"    {line}" for line in (*differences, f"{remedy}:" if changed else remedy))
+    yield from (f"        {line}" for line in changed)

@@ -131,15 +131,8 @@ def dimension_of(field: str, kind: JointType) -> Dimension | None:
 
 def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
     """The unit of a dimension that follows the units of lengths and angles."""
-    match dimension:
-        case Dimension.LENGTH:
-            return length
-        case Dimension.ANGLE:
-            return angle
-        case Dimension.SPEED:
-            return UNITS[f"{length.symbol}/s"]
-        case _:
-            return UNITS[f"{angle.symbol}/s"]
+    unit = length if dimension in (Dimension.LENGTH, Dimension.SPEED) else angle
+    return unit if dimension in (Dimension.LENGTH, Dimension.ANGLE) else UNITS[f"{unit.symbol}/s"]
 
 
 def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, str]:
@@ -173,12 +166,16 @@ def _geometry(geometry: LinkGeometry | None, length: Unit) -> dict[str, str | No
 def _payload(payload: Payload | None, length: Unit) -> dict[str, Any]:
     if payload is None:
         return {}
-    com = [number_in(value, length) for value in payload.com] if any(payload.com) else None
-    tensor = {name: getattr(payload.inertia, name) for name in INERTIA} if payload.inertia else {}
-    # With its unit: beside lengths in mm, a bare number is refused.
-    kept = {name: value for name, value in tensor.items() if value or name in INERTIA[:3]}
-    inertia = {name: f"{format_number(value)} kg·m²" for name, value in kept.items()}
-    return {"mass": payload.mass, "com": com, "inertia": inertia}
+    tensor = {name: getattr(payload.inertia, name, 0.0) for name in INERTIA}
+    return {
+        "mass": payload.mass,
+        "com": [number_in(value, length) for value in payload.com] if any(payload.com) else None,
+        "inertia": {  # with its unit: beside lengths in mm, a bare number is refused
+            name: f"{format_number(value)} kg·m²"
+            for name, value in tensor.items()
+            if value or (payload.inertia and name in INERTIA[:3])
+        },
+    }
 
 
 def _meshes(

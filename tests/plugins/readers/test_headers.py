@@ -13,7 +13,7 @@ from pyarrow import parquet as pq
 from dh2urdf.manipulator import Inertia, JointType, Manipulator
 from dh2urdf.source import Problem
 from dh2urdf_plugins.readers import stages
-from dh2urdf_plugins.readers.rows.groups import split_cell
+from dh2urdf_plugins.readers.rows.cells import split_cell
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.fields import FIELDS
 

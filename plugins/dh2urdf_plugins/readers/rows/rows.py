@@ -1,33 +1,39 @@
-"""One row of a table, as texts with their places, becomes a DH row: the same for every kind of table.
+"""The rows of a manipulator, as texts with their places, become DH rows: the same for every kind of table.
 
-A cell becomes a number in `RowReader._quantity` and nowhere else; what is below it only compares numbers.
+`JointRows` sees what one row alone does not show. Numbers in a column of names are names only together; a row without
+a joint variable is fixed only where the other rows have one. `RowReader` reads row by row: a cell becomes a number in
+`RowReader._quantity` and nowhere else; what is below it only compares numbers.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
-from dh2urdf.manipulator import ENDS, DHRow, Inertia, JointType, Limits
+from dh2urdf.manipulator import ENDS, Convention, DHRow, Inertia, JointType, Limits
 from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
-from dh2urdf_plugins.readers.header.units import unit_advice
+from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_advice
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM, NEARLY
-from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, joint_type, keys_in, type_advice
-from dh2urdf_plugins.readers.words.names import RowNames, name_fault
+from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.fields import FIELDS, flip_of, is_no_joint, joint_type, keys_in, type_advice
+from dh2urdf_plugins.readers.words.names import RowNames, name_fault, name_problems
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from dh2urdf.quantities import Unit
     from dh2urdf_plugins.readers.header.units import Units
-    from dh2urdf_plugins.readers.words.cells import Cell
 
+LABEL = ":"
+"""What the key of a cell in a column that no field knows begins with; the header is behind it."""
 MAX_PROBLEMS = 1000
 """Problems of one manipulator that are collected; reading it stops there."""
 LARGEST_LIMIT = 20 * math.pi
@@ -40,6 +46,14 @@ _TOGETHER = (
     (INERTIA, ("mass",), "both, or neither: they are computed from the link's shape and density then"),
 )
 """Fields, those that each of them needs, and what is accepted."""
+Cells = dict[str, Cell]
+_NUMBER = r"([0-9]{1,9})(?:\.0+)?"
+"""A name that is the number of a row."""
+_AXIS = r"(?i)[-+−–]?\s*[xyz]\s*[-+−–]?"
+"""A name that is an axis of a frame."""
+_LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{_NUMBER}\s*[*†‡§]?(?:\s*[\W_].*)?"
+_MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
+"""A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
 say = Messages(__file__)
 
 
@@ -75,6 +89,13 @@ class RowReader:
         self.problems += problems
         self.errors += sum(problem.severity == "error" for problem in problems)
 
+    def is_name(self, text: str, **about: Any) -> bool:  # noqa: ANN401 - the place, and what is there
+        """Whether a text is a name; notes why it is none."""
+        fault = name_fault(text)
+        if fault:
+            self.add(Problem(code="name-unusable", message=fault[0], accepted=fault[1], **about))
+        return fault is None
+
     def _note(self, code: str, name: str, **values: Any) -> None:  # noqa: ANN401 - what a message names
         """Notes what is wrong with a field of the row."""
         self.add(say(code, **self._at(name), **values))
@@ -88,6 +109,19 @@ class RowReader:
     def _says(self, *names: str) -> bool:
         """Whether any of some cells says something."""
         return any(name in self._cells and self._cells[name].text for name in names)
+
+    def finish(self, convention: Convention | None) -> None:
+        """Reports what is wrong with all rows together, in a convention."""
+        self.add(*(name_problems(self.names) if self.names else ()))
+        for cell, meant in self.rounded[:1]:  # one notice for all of them
+            count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
+            code = "angle-repaired" if self.units.repair_pi else "angle-rounded"
+            self.add(say(code, cell.mark, found=cell.text, meant=meant, count=count))
+        self.add(*bare_beside_cells(self.units, self.foreign, self.bare))
+        for joint, extra in self.extras.items() if convention is Convention.STANDARD else ():
+            if extra.gamma or extra.b:
+                field = "gamma" if extra.gamma else "b"
+                self.add(say("gamma-in-standard", extra.mark, joint=joint, field=field))
 
     # --- A row --------------------------------------------------------------------------------------------------------
 
@@ -115,13 +149,13 @@ class RowReader:
                 if not self._says(name):
                     self._note("part-missing", name, other=other, needs=accepted)
         if self.said is not None:
-            # A type with the mark of the row follows from the variables.
-            told = [
-                (key, cell) for key, cell in cells.items() if cell.text and (key != "type" or cell.mark is not mark)
-            ]
-            units = self._units_of
-            texts = {key: cell.typed or cell.text for key, cell in told}
-            self.said.append({key: Said(text=texts[key], mark=cell.mark, unit=units.get(key)) for key, cell in told})
+            self.said.append(
+                {
+                    key: Said(text=cell.typed or cell.text, mark=cell.mark, unit=self._units_of.get(key))
+                    for key, cell in cells.items()
+                    if cell.text and (key != "type" or cell.mark is not mark)  # else it follows from the variables
+                }
+            )
         if self.errors > before:
             return None
         return DHRow(
@@ -137,10 +171,7 @@ class RowReader:
 
     def _name(self, field: str) -> str:
         cell = self._cells.get(field)
-        fault = name_fault(cell.text) if cell else None
-        if fault:
-            self.add(Problem(code="name-unusable", message=fault[0], accepted=fault[1], **self._at(field)))
-        return cell.text if cell and not fault else f"{field}_{self._number}"
+        return cell.text if cell and self.is_name(cell.text, **self._at(field)) else f"{field}_{self._number}"
 
     def _type(self) -> JointType:
         cell = self._cells.get("type")
@@ -237,15 +268,6 @@ class RowReader:
                 return replace(quantity, value=(rounded_quarter_turn(angle) or 0) * HALF_PI)
         return quantity
 
-    def rounded_angles(self) -> Problem | None:
-        """One notice of the angles of a table that are nearly a multiple of π/2."""
-        if not self.rounded:
-            return None
-        cell, meant = self.rounded[0]
-        count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
-        code = "angle-repaired" if self.units.repair_pi else "angle-rounded"
-        return say(code, cell.mark, found=cell.text, meant=meant, count=count)
-
     # --- Numbers together ---------------------------------------------------------------------------------------------
 
     def _joint_variable(self, read: Mapping[str, Quantity], kind: JointType) -> dict[str, Any]:
@@ -306,3 +328,156 @@ def meant_by(angle: float) -> str | None:
         return None
     meant = {1: "pi/2", 2: "pi"}.get(abs(turns), f"{abs(turns)}*pi/2")
     return meant if turns > 0 else f"-{meant}"
+
+
+# --- All rows of a manipulator ----------------------------------------------------------------------------------------
+
+
+class JointRows:
+    """The rows of one manipulator, which get their types and names as far as only all rows together show them.
+
+    The cells of each row are changed; they are None where they cannot be told apart.
+    """
+
+    def __init__(self, rows: Sequence[tuple[Cells | None, Mark]], reader: RowReader) -> None:
+        self.rows = {place: cells for place, (cells, _) in enumerate(rows) if cells is not None}
+        self.marks = [mark for _, mark in rows]
+        self.reader = reader
+        self._take_types()
+        self._leave_out_axes()
+        self.indexes = {place: cells.pop("index") for place, cells in self.rows.items() if "index" in cells}
+        self._take_indexes_for_names()
+        found = {place: _variables_in(cells, reader) for place, cells in self.rows.items()}
+        variables = {place: next(iter(row.values())) for place, row in found.items() if row}
+        numbers = [(place, number) for place, number in variables.items() if number]
+        self.variables, self.count_from_second = variables, bool(numbers) and all(k == number for k, number in numbers)
+        reader.from_zero = 0 in variables and len(variables) > 1 and all(k == row for k, row in variables.items())
+        one_each = not reader.type_is_given and all(len(row) <= 1 for row in found.values())
+        for place, cells in self.rows.items():
+            if not ("type" in cells and cells["type"].text):
+                self._settle_type(place, cells, slides=one_each and "d" in found[place])
+        index, is_fixed = self.indexes.get(0), _type_of(self.rows.get(0, {})) is JointType.FIXED
+        is_base = (_number_in(index.text) == 0 or is_no_joint(index.text)) if index else self.count_from_second
+        self.first = 0 if is_fixed and is_base else 1  # 0: the base, and joints are counted from the next row
+        self._check_indexes()
+        self._name_by_number("joint")
+        self._name_by_number("link")
+
+    # --- Types --------------------------------------------------------------------------------------------------------
+
+    def _take_types(self) -> None:
+        """Takes a column for one of types, where all its cells are words for types and there is no other."""
+        rows = self.rows.values()
+        others = {key: None for cells in rows for key in cells if key == "joint" or key.startswith(LABEL)}
+        for key in () if any("type" in cells for cells in rows) else others:
+            named = [cells[key] for cells in rows if key in cells]
+            words = {cell.text.casefold() for cell in named}
+            letters = len(words) == len(named) and max(map(len, words)) == 1 and "p" not in words  # axes A, B, C
+            if len(named) < len(rows) or letters or None in map(joint_type, words) or any(map(str.isdigit, words)):
+                continue
+            for cells in rows:
+                cells["type"] = cells.pop(key)
+            self.reader.types_from = key.removeprefix(LABEL)
+            what = "the column of joints" if key == "joint" else f"the column {shown(key[1:])}"
+            self.reader.add(say("types-taken", named[0].mark, field="type", what=what, first=shown(named[0].text)))
+            break
+        for cells in rows:
+            for key in [key for key in cells if key.startswith(LABEL)]:
+                del cells[key]
+
+    def _settle_type(self, place: int, cells: Cells, *, slides: bool) -> None:
+        """Gives a row without a type its type where that is sure, and refuses it where it hardly is a joint."""
+        name = next((cells[key].text for key in ("joint", "link") if key in cells), "")
+        index = self.indexes[place].text if place in self.indexes else ""
+        kind, refusal = JointType.REVOLUTE, ""
+        no_joint = is_no_joint(name) or is_no_joint(index)
+        if slides and "theta" in cells and cells["theta"].text:
+            kind = JointType.PRISMATIC
+        elif self.variables and place not in self.variables:
+            is_base = place == 0 and self.count_from_second and _number_in(index or name) == 0
+            kind, refusal = (JointType.FIXED, "") if no_joint or is_base else (kind, "row-without-variable")
+        elif no_joint and not self.variables and not self.reader.type_is_given:
+            refusal = "row-no-joint"
+        else:
+            return
+        if refusal:
+            about = {"joint": f"joint_{place + 1}", "field": "type", "row": shown(name or index)}
+            self.reader.add(say(refusal, self.marks[place], **about, number=place + 1))
+        cells["type"] = Cell(kind.value, self.marks[place])
+
+    # --- Numbers and names --------------------------------------------------------------------------------------------
+
+    def _leave_out_axes(self) -> None:
+        """Leaves out a column of joints that has axes of frames: ``Z``, ``Y``, ``Y``."""
+        named = [cells["joint"].text.casefold() for cells in self.rows.values() if "joint" in cells]
+        if len(set(named)) < len(self.rows) and all(re.fullmatch(_AXIS, name) for name in named):
+            for cells in self.rows.values():
+                cells.pop("joint", None)
+
+    def _take_indexes_for_names(self) -> None:
+        """Takes the column of numbers for one of names, where it has names and no other column has."""
+        texts = [index.text for index in self.indexes.values()]
+        has_names = any("joint" in cells for cells in self.rows.values())
+        if has_names or len(texts) < len(self.rows) or any(text.isdecimal() for text in texts[:2]):
+            return
+        for place, cells in self.rows.items():
+            cells["joint"] = self.indexes.pop(place)
+
+    def _check_indexes(self) -> None:
+        """Refuses a row whose index is not its number, counted from 0 or 1."""
+        if 0 not in self.indexes or not re.search("[0-9]", "".join(index.text for index in self.indexes.values())):
+            return
+        first = 0 if _number_in(self.indexes[0].text) == 0 else self.first
+        for place, index in self.indexes.items():
+            stands = is_no_joint(index.text) and _type_of(self.rows[place]) is JointType.FIXED
+            if _number_in(index.text) != place + first and not stands:
+                self._refuse_number(place, "index", index, place + first)
+
+    def _refuse_number(self, place: int, field: str, cell: Cell, number: int) -> None:
+        about = {"joint": f"joint_{place + 1}", "field": field, "text": cell.text}
+        self.reader.add(say("number-wrong", cell.mark, **about, number=number))
+
+    def _name_by_number(self, field: str) -> None:
+        """Makes names of numbers: a column of joints that holds 1, 2, 3 counts them."""
+        cells = {place: row[field] for place, row in self.rows.items() if field in row}
+        matches = {place: re.fullmatch(_NUMBER, cell.text) for place, cell in cells.items()}
+        numbers = {place: int(match[1]) for place, match in matches.items() if match}
+        base = self.first == 0 and 0 in cells
+        if not cells or len(numbers) < len(cells) - (base and 0 not in numbers):
+            return
+        counts = list(numbers.values())
+        ids = counts[0] > 1 and all(left < right for left, right in pairwise(counts))  # of motors, say
+        first = 0 if counts[0] == 0 else self.first
+        for place, number in numbers.items():
+            cell = cells[place]
+            if not ids and number != place + first:
+                self._refuse_number(place, field, cell, place + first)
+            self.rows[place][field] = cell._replace(text=f"{field}_{cell.text.partition('.')[0]}", typed=cell.text)
+
+
+def _number_in(text: str) -> int | None:
+    """The number of a row, perhaps behind a word or before one: ``J1``, ``Axis 1``, ``1 (base)``."""
+    match = re.fullmatch(_LABELLED, text)
+    return int(match[1]) if match else None
+
+
+def _variables_in(cells: Mapping[str, Cell], reader: RowReader) -> dict[str, int | None]:
+    """The numbers of the joint variables that a row names, by the cell: None for one without a number."""
+    found: dict[str, int | None] = {}
+    for name, dimension in (("theta", Dimension.ANGLE), ("d", Dimension.LENGTH)):
+        text = cells[name].text if name in cells else ""
+        if not any(map(str.isalpha, text)):
+            continue
+        try:
+            variable = evaluate(text, dimension, decimal_comma=True, symbols=reader.units.symbols).variable
+        except QuantityError:
+            if name == "theta" and re.search(_MEANT_VARIABLE, text):
+                found[name] = None  # the cell is refused, and lacks no variable besides
+        else:
+            found |= {name: variable.row} if variable else {}
+    return found
+
+
+def _type_of(cells: Cells) -> JointType | None:
+    cell = cells.get("type")
+    return joint_type(cell.text) if cell and cell.text else None

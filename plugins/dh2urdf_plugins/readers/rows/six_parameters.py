@@ -18,10 +18,10 @@ from dh2urdf.rotations import HALF_PI, ZERO, RigidTransform, cos_sin, multiply, 
 from dh2urdf.source import Messages, free_name, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.source import Mark, Problem
+    from dh2urdf.source import Mark
 
 say = Messages(__file__)
 
@@ -33,13 +33,6 @@ class Extra(NamedTuple):
     gamma: float = 0.0  # the turn about z before the row [rad]
     b: float = 0.0  # the shift along z before the row [m]
     mark: Mark | None = None  # the place of γ or b
-
-
-def extra_problems(extras: Mapping[str, Extra], convention: Convention | None) -> Iterator[Problem]:
-    """What is wrong with γ and b of the rows of some joints."""
-    for joint, extra in extras.items() if convention is Convention.STANDARD else ():
-        if extra.gamma or extra.b:
-            yield say("gamma-in-standard", extra.mark, joint=joint, field="gamma" if extra.gamma else "b")
 
 
 def with_four_parameters(manipulator: Manipulator, extras: Mapping[str, Extra]) -> Manipulator:

@@ -22,7 +22,7 @@ from dh2urdf_plugins.readers.comments.top import read_top
 from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.options import TableOptions, ignored_columns
-from dh2urdf_plugins.readers.rows.groups import PARTS, split_cell
+from dh2urdf_plugins.readers.rows.cells import PARTS, split_cell
 from dh2urdf_plugins.readers.sources.texts import named_columns, without_name
 from dh2urdf_plugins.readers.statements.statements import flow_text
 from dh2urdf_plugins.readers.statements.values import MESH_KEYS, MESHES, Values, meshes_of

@@ -128,22 +128,18 @@ class CellRows:
         """The place of a row, with the file."""
         return key.mark
 
-    def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
-        """A row with the place of each cell, and what is wrong with it."""
-        marks = [*(key.marks or ()), *[key.mark] * (len(cells) - len(key.marks or ()))]
-        return key._replace(marks=marks), self._problems(key, marks, number)
-
-    def _problems(self, row: CellRow, marks: Sequence[Mark], number: int) -> Iterator[Problem]:
-        """What the container declares about the row's cells, and numbers behind the last column of the header."""
-        if self.prose and (problem := other_header(row, number)):
-            yield problem
-            return
-        for index, cell in enumerate(row.cells):
+    def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, list[Problem]]:
+        """A row with the place of each cell; what is wrong with these, and numbers behind the header's last column."""
+        marks, problems = [*(key.marks or ()), *[key.mark] * (len(cells) - len(key.marks or ()))], list[Problem]()
+        if self.prose and (problem := other_header(key, number)):
+            return key._replace(marks=marks), [problem]
+        for index, cell in enumerate(key.cells):
             field = self.fields[index] if index < len(self.fields) else None
             if isinstance(cell, Problem) and field:
-                yield replace(cell, joint=f"joint_{number}", field=field, mark=cell.mark or marks[index])
+                problems.append(replace(cell, joint=f"joint_{number}", field=field, mark=cell.mark or marks[index]))
             elif index >= len(self.fields) and self._is_stray(index, cell):
-                yield stray_number(text_in(cell), marks[index], number)
+                problems.append(stray_number(text_in(cell), marks[index], number))
+        return key._replace(marks=marks), problems
 
 
 # --- Rows that are no joints ------------------------------------------------------------------------------------------
@@ -243,23 +239,20 @@ def one_table(rows: Iterable[CellRow], number: int) -> Iterator[CellRow]:
     held: list[CellRow] = []  # rows without a number, which a header may follow
     seen = 0
     for row in rows:
+        held.append(row)
         if starts_table(row):
             seen += 1
             if seen > number:
                 return
             if seen == number:
-                own = {key for each in held if (key := _key(each))}
+                own = {key for each in held[:-1] if (key := _key(each))}
                 yield from (each for each in top if _key(each) not in own)
-                yield from held
-                yield row
-            held = []
         elif not seen:
             top.append(row)
-        else:
-            held.append(row)
-            if has_number(row):
-                yield from held if seen == number else ()
-                held = []
+        elif not has_number(row):
+            continue
+        yield from held if seen == number else ()
+        held = []
     yield from held if seen else top
 
 

@@ -25,17 +25,16 @@ from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import declare, declare_types
 from dh2urdf_plugins.readers.header.columns import Row
 from dh2urdf_plugins.readers.header.header_rows import unit_in
-from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_problems
+from dh2urdf_plugins.readers.header.units import unit_problems
 from dh2urdf_plugins.readers.options import given_by
 from dh2urdf_plugins.readers.rows.cells import CellReader
-from dh2urdf_plugins.readers.rows.joint_rows import Cells, JointRows
-from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, RowReader
-from dh2urdf_plugins.readers.rows.six_parameters import extra_problems, with_four_parameters
+from dh2urdf_plugins.readers.rows.rows import MAX_PROBLEMS, Cells, JointRows, RowReader
+from dh2urdf_plugins.readers.rows.six_parameters import with_four_parameters
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
 from dh2urdf_plugins.readers.words.bounds import LONGEST_ARM, MAX_JOINTS, MEASURABLE_ARM, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
 from dh2urdf_plugins.readers.words.fields import convention_of
-from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault, name_problems
+from dh2urdf_plugins.readers.words.names import MAX_NAME
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -147,13 +146,13 @@ class RowTable:
         """Reads all rows; what is read fast comes in columns."""
         any_rows = False
         for groups in self._groups():
-            first, any_rows = not any_rows, any_rows or bool(groups)
             self._define(self.source.below)
             self.plain_table &= not self.statements.symbols or self.robot_column is not None
-            while groups and (self.notices or not self.plain_table):
+            # The first one has the notices of the file, and that of columns that are left out.
+            while groups and (self.notices or not self.plain_table or (self.columns.silent and not any_rows)):
                 yield self._careful(groups.pop(0))
-            if groups and first and self.columns.silent:  # the first has the notice of columns that are left out
-                yield self._careful(groups.pop(0))
+                any_rows = True
+            any_rows |= bool(groups)
             yield from self._any(groups)
         if not any_rows:
             yield self._careful(Rows(self.name.text))
@@ -345,20 +344,23 @@ def _manipulator(
     """The manipulator that statements and rows make, or everything that is wrong with it."""
     if trace is not None:
         trace.rows, trace.table = tuple(reader.said or ()), statements.traced(name)
-    if fault := name_fault(name.text):
-        about: Any = {"message": fault[0], "accepted": fault[1], "found": name.text}
-        reader.add(Problem(code="name-unusable", mark=name.mark, field="name", **about))
+    reader.is_name(name.text, mark=name.mark, field="name", found=name.text)
     if statements.convention is None and not any(problem.field == "convention" for problem in reader.problems):
         reader.add(say("convention-unsaid", mark, field="convention"))
     if not rows:
         reader.add(say("no-joints", mark, field="joints"))
     arm = [row for row in rows if row]
-    reader.add(*(name_problems(reader.names) if reader.names else ()))
-    reader.add(*filter(None, [reader.rounded_angles()]))
-    reader.add(*bare_beside_cells(reader.units, reader.foreign, reader.bare))
-    reader.add(*extra_problems(reader.extras, statements.convention and statements.convention[0]))
-    if statements.calibration and arm and not reader.errors:
-        arm = _calibrated(arm, statements, mark, reader)
+    reader.finish(statements.convention and statements.convention[0])
+    if statements.calibration and statements.convention and arm and not reader.errors:
+        try:
+            calibration = statements.calibration.read(statements.convention[0])
+            calibrated = calibration.applied(arm)
+        except TableError as error:
+            reader.add(*error.problems)
+        else:
+            given, found = (statements.manipulator("calibrated", tuple(rows), mark) for rows in (arm, calibrated))
+            reader.add(*calibration.notices, calibration.notice(given, found))
+            arm = calibrated
     _look_at_sizes(arm, statements, reader)
     problems = [problem.about(robot=name.text, mark=mark) for problem in sorted(reader.problems, key=_place)]
     if reader.errors:
@@ -375,21 +377,6 @@ def _manipulator(
         own = dict(zip([row.joint for row in made.rows], trace.rows, strict=True))
         trace.rows = tuple(own.get(row.joint, {}) for row in found.rows)
     return found
-
-
-def _calibrated(rows: list[DHRow], statements: Statements, mark: Mark, reader: RowReader) -> list[DHRow]:
-    """The rows with the differences of a calibration."""
-    if statements.calibration is None or statements.convention is None:
-        return rows
-    try:
-        calibration = statements.calibration.read(statements.convention[0])
-        calibrated = calibration.applied(rows)
-    except TableError as error:
-        reader.add(*error.problems)
-        return rows
-    given, found = (statements.manipulator("calibrated", tuple(arm), mark) for arm in (rows, calibrated))
-    reader.add(*calibration.notices, calibration.notice(given, found))
-    return calibrated
 
 
 def _place(problem: Problem) -> tuple[bool, int, int]:

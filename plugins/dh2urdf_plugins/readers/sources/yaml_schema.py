@@ -79,7 +79,7 @@ def _unit_words(key: str) -> dict[str, Any]:
 
 def _spellings(field: Field) -> list[str]:
     """The headers of a field: each as it is written, and with ``ae`` for ``ä``."""
-    return [form for word in field.words for form in sorted({word, *keys_of(word)}, key=lambda form: form != word)]
+    return [form for word in field.words for form in dict.fromkeys((word, *sorted(keys_of(word))))]
 
 
 def header_pattern(field: Field) -> str:

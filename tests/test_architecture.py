@@ -392,7 +392,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4010,
     "plugins/dh2urdf_plugins/loaders": 2610,
     "plugins/dh2urdf_plugins/packages": 2020,
-    "plugins/dh2urdf_plugins/readers": 7050,
+    "plugins/dh2urdf_plugins/readers": 7020,
     "plugins/dh2urdf_plugins/transforms": 2120,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6410,

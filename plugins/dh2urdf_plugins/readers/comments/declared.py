@@ -24,7 +24,16 @@ from dh2urdf_plugins.readers.header.units import KEY_OF
 from dh2urdf_plugins.readers.words.bounds import MAX_TEXT
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.comment_lines import Comment, within
-from dh2urdf_plugins.readers.words.fields import FIELDS, convention_of, header_fields, joint_type, key_of, keys_in, near
+from dh2urdf_plugins.readers.words.fields import (
+    FIELDS,
+    convention_of,
+    header_fields,
+    joint_type,
+    key_of,
+    keys_in,
+    near,
+    said_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -35,16 +44,6 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-EXAMPLES = {
-    "name": "# name: ur5",
-    "convention": "# convention: standard, or modified",
-    "units": "# units: {length: mm, angle: deg}",
-    "base": "# base: {xyz: [0, 0, 0.3], rpy: [0, 0, pi]}",
-    "tool": "# tool: {xyz: [0, 0, 0.1]}",
-    "payload": "# payload: {mass: 2.5, com: [0, 0, 0.05], inertia: {ixx: 0.01, iyy: 0.01, izz: 0.004}}",
-    "defaults": "# defaults: {geometry: {shape: cylinder, radius: 0.04}, density: 2700}",
-    "symbols": "# symbols: {L1: 91 mm, a2: 0.35}",
-}
 MAX_STATEMENT = 10_000
 """Length of a comment line that declares something."""
 
@@ -78,25 +77,25 @@ _LENGTHS = frozenset(("a", "d"))
 # --- Under a key ------------------------------------------------------------------------------------------------------
 
 
-def statements_in(comment: Comment) -> dict[str, Node]:
-    """What a comment declares under a key: the YAML values by their keys; nothing where it is prose.
+def statement_in(comment: Comment) -> tuple[str, Node] | None:
+    """The key under which a comment declares something, and the YAML value; None where it is prose.
 
     Refused are a misspelt key, an unknown one with a mapping or a list behind it, and a value that is not YAML.
     """
     text = comment.text
     match = None if _BEHIND_KEYS.isdisjoint(text) else re.match(_ENTRY, text[:MAX_TEXT])
     if match is None:
-        return {}
+        return None
     word, value = match[1], text[match.end() :].strip()
     if key := declared_key(word):
-        return {key: _value(comment, key, match)} if _is_declaration(word, key, value, comment) else {}
+        return (key, _value(comment, key, match)) if _is_declaration(word, key, value, comment) else None
     meant = near(key_of(word.casefold()), STATEMENTS) if match[2] and len(text) <= MAX_TEXT else None
     is_list = match[2] != "=" and re.match(_OF_LIST, value[:MAX_TEXT])
     if meant or is_list or re.match(_OF_MAPPING, value):
         advice = f"did you mean {meant!r}?" if meant else "put a word in front if this is prose, such as `# Note: …`"
         place = within(comment.mark, match.start(1))
         raise TableError(say("no-such-key", place, found=word, keys=[*STATEMENTS], suggestion=advice))
-    return {}
+    return None
 
 
 @cache
@@ -128,24 +127,23 @@ def _is_declaration(word: str, key: str, value: str, comment: Comment) -> bool:
 def comment_below(line: str, place: Mark) -> Comment:
     """The comment that a line or a row below the header is; it cannot declare what would not hold for rows above."""
     whole = Comment.of(line, place, longest=len(line))
-    if not _BEHIND_KEYS.isdisjoint(whole.text[:MAX_TEXT]) and statements_in(whole):
+    if not _BEHIND_KEYS.isdisjoint(whole.text[:MAX_TEXT]) and statement_in(whole):
         raise TableError(say("below-the-header", whole.whole, line=whole.line))
     return Comment.of(line, place)
 
 
 def _value(comment: Comment, key: str, match: re.Match[str]) -> Node:
     """What a comment has behind a key."""
-    start, about = match.end(), {"field": key, "found": comment.line}
+    start, about, length = match.end(), {"field": key, "found": comment.line}, len(comment.line)
     value = comment.text[start:].strip()
-    if len(comment.line) > MAX_STATEMENT:
-        length = len(comment.line)
+    if length > MAX_STATEMENT:
         raise TableError(say("long-statement", comment.whole, length=length, limit=MAX_STATEMENT, key=key))
     if value[:1] in ("", "#"):  # `# base: # none`, as YAML has comments behind values
-        raise TableError(say("nothing-behind", comment.mark, word=match[1], example=EXAMPLES[key], **about))
+        raise TableError(say("nothing-behind", comment.mark, word=match[1], example=said_of("examples", key), **about))
     is_bare = key == "name" and match[1].casefold() != key and value[:1] not in _QUOTES
     node = _node(comment, yaml_word(value) if is_bare else comment.text[start:], start)
     if key == "convention" and isinstance(node.value, dict | list):
-        raise TableError(say("more-than-convention", node.mark, value=value, example=EXAMPLES[key], **about))
+        raise TableError(say("more-than-convention", node.mark, value=value, example=said_of("examples", key), **about))
     return node
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
 from dh2urdf.source import Mark, Messages, Problem
-from dh2urdf.table_text import STATEMENTS
-from dh2urdf_plugins.readers.comments.declared import Sentence, declared_key, said_in, statements_in
+from dh2urdf.table_text import PARAMETERS, STATEMENTS
+from dh2urdf_plugins.readers.comments.declared import Sentence, declared_key, said_in, statement_in
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND, Columns, are_joints, name_columns
 from dh2urdf_plugins.readers.header.header_rows import headers_in, join_headers, text_in
 from dh2urdf_plugins.readers.header.words import read_header
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
-GEOMETRY = frozenset(("a", "alpha", "d", "theta"))
 SURE = 2
 """Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
@@ -69,10 +68,10 @@ def read_top(
             if len(above) > MAX_TITLES:
                 raise TableError(_no_header(above, whole))
     else:  # the row that is most like a header, so that the message names what it lacks
-        likely = max(above, key=lambda row: len(_fields(row)), default=None)
-        if likely is None or not _fields(likely):
+        if not any(map(_fields, above)):
             raise TableError(_no_header(above, whole))
-        header, place = likely, above.index(likely)
+        header = max(above, key=lambda row: len(_fields(row)))
+        place = above.index(header)
         last = above[place - 1] if place else None
         del above[place:]
     longest = max((len(text_in(cell)) for cell in header.cells), default=0)
@@ -80,7 +79,7 @@ def read_top(
         raise TableError(say("many-columns", header.mark, count=len(header.cells), limit=MAX_COLUMNS))
     if longest > MAX_TEXT:
         raise TableError(say("long-header", header.mark, count=longest, limit=MAX_TEXT))
-    is_title = last and above and last is above[-1] and last is not header and len(last.cells) <= MAX_COLUMNS
+    is_title = last and above and last is above[-1] and len(last.cells) <= MAX_COLUMNS
     if last and is_title and all(len(text_in(cell)) <= MAX_TEXT for cell in last.cells):
         header = join_headers(last, header)
     header = rows.complete(header)
@@ -94,23 +93,23 @@ def read_top(
 def _take(row: CellRow, said: dict[str, Node], comments: list[Comment], sure: set[str]) -> bool:
     """Takes a row above the header, which may declare something with or without a #; returns whether it is a title."""
     text = comment_text(row)
-    found = statements_in(Comment.of(text, row.mark, longest=len(text)))
-    for key, node in found.items():
-        is_sure = key != "name" or text.lstrip(f"{SPACES}#%/").casefold().startswith(key)
-        if is_sure:  # `name` before `robot`, and the first of the others
-            said[key] = _both(key, said[key], node) if key in sure else node
-            sure.add(key)
-        else:
-            said.setdefault(key, node)
-    if not found:
+    declared = statement_in(Comment.of(text, row.mark, longest=len(text)))
+    if declared is None:
         comments.append(Comment.of(text, row.mark))
-    return not found and not is_comment(text, top=True)
+        return not is_comment(text, top=True)
+    key, node = declared
+    if key != "name" or text.lstrip(f"{SPACES}#%/").casefold().startswith(key):
+        said[key] = _both(key, said[key], node) if key in sure else node
+        sure.add(key)
+    else:  # `name` before `robot`, and the first of the others
+        said.setdefault(key, node)
+    return False
 
 
 def is_header(row: CellRow) -> bool:
     """Whether a row is a header beyond doubt."""
     has_marker = bool(row.cells) and text_in(row.cells[0]).startswith("# ")  # `# a` names no column
-    return len(row.cells) - has_marker >= SURE and len(_fields(row) & GEOMETRY) >= SURE
+    return len(row.cells) - has_marker >= SURE and len(_fields(row).intersection(PARAMETERS)) >= SURE
 
 
 def _both(key: str, earlier: Node, node: Node) -> Node:
@@ -145,7 +144,5 @@ def _no_header(above: Sequence[CellRow], whole: Mark) -> Problem:
     """What is wrong with rows none of which is like a header."""
     if not above:
         return say("no-rows", whole)
-    first, advice = comment_text(above[0]), None
-    if are_joints(headers_in(above[0])):
-        advice = TURN_ROUND
-    return say("no-header", above[0].mark, field="columns", found=first, suggestion=advice)
+    first, advice = above[0], TURN_ROUND if are_joints(headers_in(above[0])) else None
+    return say("no-header", first.mark, field="columns", found=comment_text(first), suggestion=advice)

@@ -83,8 +83,8 @@ class Columns:
 
     def header_of(self, name: str) -> str:
         """The header of the column that holds a field."""
-        holding = (k for k, each in enumerate(self.fields) if each and name in FIELDS[each].columns)
-        return self.headers[next(holding)]
+        pairs = zip(self.headers, self.fields, strict=True)
+        return next(header for header, each in pairs if each and name in FIELDS[each].columns)
 
 
 class RowSource(Protocol):
@@ -163,7 +163,6 @@ def _take_fields(columns: Columns, read: Sequence[Header]) -> list[Problem]:
 
 
 def _named(read: Sequence[Header], name: str) -> list[int]:
-    """The columns of a field."""
     return [index for index, header in enumerate(read) if header.field is FIELDS[name]]
 
 
@@ -237,16 +236,15 @@ def _measure(columns: Columns, header: Header, index: int) -> list[Problem]:
     text, mark, held = columns.headers[index], columns.marks[index], header.field
     if held is None or held.dimension is None:
         return []
-    about: dict[str, Any] = {"mark": mark, "field": held.name}
-    problems = [say("header-with-sign", **about, found=text)] if text.startswith(("-", "−", "–")) else []
+    problems = [say("header-with-sign", mark, field=held.name, found=text)] if text.startswith(("-", "−", "–")) else []
     if held.name in ("lower", "upper", "limits") and "theta" in header.key:
         columns.of_theta.add(index)
     unit = _unit(header.unit, held) if header.unit else None
     if isinstance(unit, Unit):
         columns.units |= dict.fromkeys(held.columns, unit)
     elif unit and (held.dimension is not Dimension.NUMBER or is_unit(header.unit or "")):  # `sign [+-1]` has a remark
-        about |= {"reason": unit.message, "accepted": unit.accepted, "suggestion": unit.suggestion}
-        problems.append(say("unit-of-header", **about, found=header.unit))
+        about = {"reason": unit.message, "accepted": unit.accepted, "suggestion": unit.suggestion}
+        problems.append(say("unit-of-header", mark, field=held.name, found=header.unit, **about))
     return problems
 
 

@@ -73,9 +73,7 @@ def read_header(text: str) -> Header:
     if len(text) > _LONGEST:  # no name of a field, and too long for patterns that look for one
         return Header(None, key_of(text.casefold()))
     header = _read(text)
-    if header.is_known or (text.isascii() and text[-1:] != "*"):
-        return header
-    without = re.sub(_FOOTNOTE, "", text)  # `d¹`, which is no d1
+    without = text if header.is_known else re.sub(_FOOTNOTE, "", text)  # `d¹`, which is no d1
     return other if without != text and (other := _read(without)).is_known else header
 
 

@@ -28,13 +28,7 @@ from dh2urdf_plugins.readers.header.columns import Columns
 from dh2urdf_plugins.readers.header.units import KEY_OF, UNIT_KEYS, Units, table_units
 from dh2urdf_plugins.readers.statements.values import Values, say
 from dh2urdf_plugins.readers.words.cells import Cell
-from dh2urdf_plugins.readers.words.fields import (
-    ACCEPTED_CONVENTIONS,
-    convention_of,
-    key_of,
-    keys_in,
-    words_for,
-)
+from dh2urdf_plugins.readers.words.fields import convention_of, key_of, keys_in, said_of, words_for
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -114,7 +108,7 @@ class Statements:
             return
         code, words = "no-convention" if cell.text else "empty-convention", words_for("conventions")
         advice = did_you_mean(cell.text, [word for word in words if len(word) > len("dh")]) if cell.text else None
-        add(say(code, cell, "convention", accepted=ACCEPTED_CONVENTIONS, suggestion=advice))
+        add(say(code, cell, "convention", accepted=said_of("accepted", "convention"), suggestion=advice))
 
     def declare_implied_convention(self, convention: Convention, cell: Cell, add: Callable[[Problem], None]) -> None:
         """Takes the convention from what only it writes."""

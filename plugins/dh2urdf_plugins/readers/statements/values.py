@@ -16,6 +16,7 @@ from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf_plugins.readers.header.units import refuse_doubt
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM
 from dh2urdf_plugins.readers.words.cells import Cell
+from dh2urdf_plugins.readers.words.fields import said_of, words_for
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -62,24 +63,6 @@ _TENSOR = dict.fromkeys(INERTIA, Value("number", Dimension.INERTIA))
 _MATRIX = ("ixx", "ixy", "ixz", "ixy", "iyy", "iyz", "ixz", "iyz", "izz")
 _MESH = PLACED | {"file": Value("file"), "scale": Value("factors")}
 
-ACCEPTED = {
-    "number": "a number",
-    "vector": "a list of three numbers",
-    "placement": "{xyz: [0, 0, 0.3], rpy: [0, 0, pi]}, or a rigid 4x4 matrix as a list of four rows",
-    "geometry": "{shape: cylinder, radius: 0.04}",
-    "payload": "{mass: 2.5, com: [0, 0, 0.05], inertia: {ixx: 0.01, iyy: 0.01, izz: 0.004}}",
-    "tensor": "{ixx: …, iyy: …, izz: …, ixy: …, ixz: …, iyz: …}, or three rows of three",
-    "defaults": "{geometry: …, density: …}",
-    "mesh": "the path of a file, or {file: link.stl, xyz: [0, 0, 0], rpy: [0, 0, 0], scale: 0.001}",
-    "file": "the path of a file",
-    "drawn": "all, none",
-    "shape": ", ".join(SHAPES),
-}
-"""What is accepted for each kind of value, in words."""
-_XYZ, _RPY = "write `xyz: [x, y, z]`", "write `rpy: [roll, pitch, yaw]`, or the whole as `matrix`"
-_MEANT = dict.fromkeys(("x", "y", "z", "translation", "position", "offset", "origin", "trans", "pos"), _XYZ)
-_MEANT |= dict.fromkeys(("rotation", "orientation", "quaternion", "quat", "euler", "roll", "pitch", "yaw", "rot"), _RPY)
-
 
 def say(code: str, at: Cell | Node, field: str, *, mark: Mark | None = None, **words: Any) -> Problem:  # noqa: ANN401
     """A problem of a statement, at the place and with the text of a cell or a node unless others are given."""
@@ -93,10 +76,10 @@ class _WrongError(Exception):
 def refuse_unknown_keys(node: Node, keys: Iterable[str], what: str, add: Callable[[Problem], None]) -> None:
     """Notes the keys of a mapping that nothing reads."""
     keys = tuple(keys)
-    meant = _MEANT if "matrix" in keys else {}
     for key in node.value if isinstance(node.value, dict) else ():
         if key not in keys:
-            advice = meant.get(key.casefold()) or did_you_mean(key, keys)
+            word = words_for("placements").get(key.casefold()) if "matrix" in keys else None
+            advice = said_of("instead", word) if word else did_you_mean(key, keys)
             mark = node.key_mark(key)
             add(say("unknown-key", node, key, mark=mark, found=key, what=what, keys=keys, suggestion=advice))
 
@@ -138,7 +121,7 @@ class Values:
         raise _WrongError
 
     def _no_value(self, node: Node, what: str, kind: str, **words: Any) -> NoReturn:  # noqa: ANN401 - of a sentence
-        self._refuse("no-value", node, what, is_a=node.describe(), accepted=ACCEPTED[kind], **words)
+        self._refuse("no-value", node, what, is_a=node.describe(), accepted=said_of("accepted", kind), **words)
 
     # --- Numbers ------------------------------------------------------------------------------------------------------
 
@@ -146,15 +129,14 @@ class Values:
         """A number, in the table's unit where it names none."""
         if node.text is None or node.value is None or isinstance(node.value, bool):
             self._no_value(node, what, "number")
+        units = self.units
         try:
-            quantity = evaluate(
-                node.text, dimension, self.units.unit_of(None, dimension), angle=self.units.in_functions
-            )
-            refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, self.units)
+            quantity = evaluate(node.text, dimension, units.unit_of(None, dimension), angle=units.in_functions)
+            refuse_doubt(quantity, what, Cell(node.text, node.mark), dimension, units)
         except QuantityError as error:
             words = {"reason": error.message, "accepted": error.accepted, "suggestion": error.suggestion}
             self._refuse("no-quantity", node, what, **words)
-        value, has_unit = abs(quantity.value), quantity.has_unit or self.units.angle
+        value, has_unit = abs(quantity.value), quantity.has_unit or units.angle
         if quantity.variable:
             self._refuse("nothing-moves", node, what)
         if dimension is Dimension.ANGLE and value > FULL_TURN and not has_unit:
@@ -221,7 +203,7 @@ class Values:
         """A rigid 4x4 matrix."""
         items, what = self._square(node, 4), what.removesuffix(".matrix")
         if not items:
-            self._refuse("no-matrix", node, what, accepted=ACCEPTED["placement"])
+            self._refuse("no-matrix", node, what, accepted=said_of("accepted", "placement"))
         kinds = 3 * (*3 * (Dimension.NUMBER,), Dimension.LENGTH) + 4 * (Dimension.NUMBER,)
         numbers = [self.number(item, what, kind) for item, kind in zip(items, kinds, strict=True)]
         a, b, c, x, d, e, f, y, g, h, i, z, *last = numbers
@@ -254,7 +236,7 @@ class Values:
         """What the arm carries at tool0: mass, centre of mass and inertia."""
         found = self._record(node, what, _PAYLOAD, "payload")
         if "mass" not in found:
-            self._refuse("no-mass", node, "payload.mass", accepted=ACCEPTED["payload"])
+            self._refuse("no-mass", node, "payload.mass", accepted=said_of("accepted", "payload"))
         return Payload(**found)
 
     def tensor(self, node: Node, what: str, dimension: Dimension) -> Inertia:
@@ -270,7 +252,8 @@ class Values:
                 one, other = f"{found[name]:.9g}", f"{number:.9g}"
                 self._refuse("not-symmetric", item, what, element=name, one=one, other=other)
         if missing := next((name for name in INERTIA[:3] if name not in found), None):
-            self._refuse("half-a-tensor", node, f"{what}.{missing}", accepted=ACCEPTED["tensor"], missing=missing)
+            accepted = said_of("accepted", "tensor")
+            self._refuse("half-a-tensor", node, f"{what}.{missing}", accepted=accepted, missing=missing)
         return Inertia(**found)
 
     # --- Meshes -------------------------------------------------------------------------------------------------------
@@ -280,7 +263,7 @@ class Values:
         if isinstance(node.value, str):
             return self.file(node, what, dimension)
         if isinstance(node.value, dict) and "file" not in node.value:
-            self._refuse("no-file", node, what, accepted=ACCEPTED["mesh"])
+            self._refuse("no-file", node, what, accepted=said_of("accepted", "mesh"))
         found = self._record(node, what, _MESH, "mesh")
         shape: MeshShape = found["file"]
         return replace(shape, pose=self._placed(node, what, found), scale=found.get("scale", shape.scale))

@@ -61,6 +61,11 @@ def vocabulary() -> dict[str, Any]:
         return tomllib.load(file)
 
 
+def said_of(section: str, name: str) -> str:
+    """The text of the vocabulary that messages repeat as it is: ``said_of("accepted", "placement")``."""
+    return str(vocabulary()[section][name])
+
+
 def words_in(text: str) -> tuple[str, ...]:
     """The words of a line of the vocabulary."""
     return tuple(" ".join(text.split()).split(", ")) if text else ()
@@ -175,14 +180,13 @@ def header_fields() -> dict[str, Field]:
 
 IGNORED = "_"
 """What the header of a column begins with that its author wants to be left out."""
-GEOMETRY = "0 in this column, or a table of a, alpha, d and theta (or offset) without it"
 
 
 class Refusal(NamedTuple):
     """Why a column that names no field is refused where it holds a value."""
 
     reason: str
-    accepted: str = GEOMETRY  # what to write in its place
+    accepted: str  # what to write in its place
     any_text: bool = True  # whether texts are refused, too: no field holds what it is
     counts: bool = False  # whether it may hold the number of the row
     if_no: bool = False  # whether only a no says anything: that a joint is not `active`
@@ -194,7 +198,8 @@ def _unheld() -> dict[str, Refusal]:
     found: dict[str, Refusal] = {}
     for entry in vocabulary()["unheld"]:
         marks = {name: value for name, value in entry.items() if name in Refusal._fields}
-        meaning = Refusal(entry["is"].strip(), " ".join(entry.get("write", GEOMETRY).split()), **marks)
+        instead = " ".join(entry.get("write", said_of("accepted", "unheld")).split())
+        meaning = Refusal(entry["is"].strip(), instead, **marks)
         found |= {key: meaning for word in words_in(entry["words"]) for key in keys_of(word) if key not in held}
     return found
 
@@ -207,10 +212,6 @@ def unheld(key: str) -> Refusal | None:
 
 # --- Words in cells ---------------------------------------------------------------------------------------------------
 
-ACCEPTED_CONVENTIONS = (
-    "standard (classic, distal, Paul, Spong) for A = Rz(theta) Tz(d) Tx(a) Rx(alpha); "
-    "modified (Craig, proximal) for A = Rx(alpha) Tx(a) Rz(theta) Tz(d)"
-)
 _TYPES = {form: kind for kind in JointType for form in (kind.value, kind.value[0])}
 _CONVENTIONS = {kind.value: kind for kind in Convention}
 _LONGEST_NAME = 60
@@ -240,8 +241,7 @@ def convention_of(text: str) -> Convention | None:
     if key in _CONVENTIONS:
         return _CONVENTIONS[key]
     known, both = _keys_for("conventions"), keys_in("around", "conventions")
-    ends = keys_in("around", "after_convention")
-    bare = next((key.removesuffix(word) for word in ends if key.endswith(word)), key)
+    bare = next((key.removesuffix(word) for word in keys_in("around", "after_convention") if key.endswith(word)), key)
     words = re.findall(r"[^\W_]+", text.casefold())
     meant = {known.get(word) for word in map(key_of, words) if word not in both}
     named = known.get(key) or known.get(bare) or (meant.pop() if len(meant) == 1 else None)
@@ -251,7 +251,7 @@ def convention_of(text: str) -> Convention | None:
 def flip_of(text: str) -> bool | None:
     """The truth value that a word means."""
     word = text.strip().casefold()
-    return next((name == "true" for name, line in vocabulary()["flips"].items() if word in words_in(line)), None)
+    return next((flag == "true" for flag, line in vocabulary()["flips"].items() if word in words_in(line)), None)
 
 
 def is_no_joint(name: str) -> bool:

@@ -13,7 +13,7 @@ from known_quantities import ANGLE, LENGTH, Exact
 from tables import Figures, WrongReading, counted_fast, run_case
 
 from dh2urdf.columns import member, stacked
-from dh2urdf_plugins.readers.plain import sample
+from dh2urdf_plugins.readers.plain import rows as plain_rows
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
         return stacked([change(member(row, number)) for number in range(count)])
 
     monkeypatch.setattr(PlainRows, "read", wrong)
-    monkeypatch.setattr(sample, "compare", lambda *_arguments: None)  # the check of every run would be first
+    monkeypatch.setattr(plain_rows, "compare", lambda *_arguments: None)  # the check of every run would be first
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import csv as python_csv
 import io
+import re
 import sys
 from contextlib import suppress
 from dataclasses import replace
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from pyarrow import parquet as pq
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, TableError
@@ -169,6 +170,9 @@ def lines_of(items: Iterable[Manipulator | Rejected]) -> list[int | None]:
 @settings(max_examples=300, deadline=None)
 def test_numbers_are_read_as_their_texts_are(columns: dict[str, Column]) -> None:
     """Every manipulator, notice and error is that of the CSV file with the same numbers, on the fast way and without it."""
+    texts = [text_of(value) for column in columns.values() for value in column]
+    # Beside `1,5` the text 1.125 may be a thousand and is refused; the number 1.125 is none, and is read.
+    assume("1,5" not in texts or not any(re.fullmatch(r"-?[0-9]{1,3}\.[0-9]{3}", text) for text in texts))
     with TemporaryDirectory() as folder:
         path = Path(folder) / "arm.csv"
         with path.open("w", newline="", encoding="utf-8") as file:

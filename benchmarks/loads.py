@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from arms import LONG, write_table
 from measuring import in_turn, machine, seconds, table
 
-from dh2urdf.conversion.loads import KeptChildren, load_in_child
+from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.conversion.robots import make_robot
+from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import Call

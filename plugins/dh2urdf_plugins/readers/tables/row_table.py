@@ -1,7 +1,7 @@
 """A table with one row per joint, one manipulator or a million behind each other: the same for every file of rows.
 
 The file is never held as a whole: its rows come in batches, and the rows of one manipulator are read together, by
-`plain_rows` where nothing about them is remarkable, and with all care where something is. A sample of the former is
+`plain.rows` where nothing about them is remarkable, and with all care where something is. A sample of the former is
 read in both ways, and compared.
 """
 

@@ -223,6 +223,12 @@ def _lines(text: str, file: str) -> list[tuple[Mark, str]]:
     return [(Mark(file=file, line=at), line) for at, line in enumerate(text.split("\n"), start=1)]
 
 
+def _comments(text: str, file: str, *markers: str) -> list[tuple[Mark, str]]:
+    """The lines that begin with a marker."""
+    lines = enumerate(text.split("\n"), start=1)
+    return [(Mark(file=file, line=at), line) for at, line in lines if line.lstrip().startswith(markers)]
+
+
 def _cells(text: str, file: str) -> Iterator[TextTable]:
     """Cells with delimiters between them, and without a header."""
     marked = [(mark, line) for mark, line in _lines(text, file) if line.strip()]
@@ -267,8 +273,7 @@ def _latex(text: str, file: str) -> Iterator[TextTable]:
         plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain)).replace("--", "-")
         around = [row for each in plain.split("\n") for row in _comment(each, Mark(file=file))]
     else:
-        comments = [(mark, each) for mark, each in _lines(text, file) if each.lstrip().startswith("#")]
-        around = [row for mark, each in comments for row in _comment(each, mark)]
+        around = [row for mark, line in _comments(text, file, "#") for row in _comment(line, mark)]
         text = re.sub(r"(?m)^[^\S\n]*#.*", "", text)
     for start, body in bodies or [(1, text)]:
         rows, line = [], start
@@ -293,7 +298,7 @@ def _without_columns(body: str, arguments: int) -> str:
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:
     """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
-    comments = [(mark, line) for mark, line in _lines(text, file) if line.lstrip().startswith(MARKERS)]
+    comments = _comments(text, file, *MARKERS)
     around = [row for mark, line in comments for row in _comment(line, mark)]
     code = re.sub(r"(?:#|//|%).*", "", text)
     if found := re.search(_CHANGED, code):

@@ -219,14 +219,10 @@ def _row(cells: Sequence[str], mark: Mark) -> CellRow:
 # --- Forms ------------------------------------------------------------------------------------------------------------
 
 
-def _lines(text: str, file: str) -> list[tuple[Mark, str]]:
-    return [(Mark(file=file, line=at), line) for at, line in enumerate(text.split("\n"), start=1)]
-
-
-def _comments(text: str, file: str, *markers: str) -> list[tuple[Mark, str]]:
-    """The lines that begin with a marker."""
+def _lines(text: str, file: str, *markers: str) -> list[tuple[Mark, str]]:
+    """The lines of a text, or those of them that begin with a marker."""
     lines = enumerate(text.split("\n"), start=1)
-    return [(Mark(file=file, line=at), line) for at, line in lines if line.lstrip().startswith(markers)]
+    return [(Mark(file=file, line=at), line) for at, line in lines if line.lstrip().startswith(markers or "")]
 
 
 def _cells(text: str, file: str) -> Iterator[TextTable]:
@@ -273,7 +269,7 @@ def _latex(text: str, file: str) -> Iterator[TextTable]:
         plain = re.sub(r"\\([&%$#_{}])", r"\1", re.sub(r"(?m)(?<=\S)(?<!\\)%.*$", "", plain)).replace("--", "-")
         around = [row for each in plain.split("\n") for row in _comment(each, Mark(file=file))]
     else:
-        around = [row for mark, line in _comments(text, file, "#") for row in _comment(line, mark)]
+        around = [row for mark, line in _lines(text, file, "#") for row in _comment(line, mark)]
         text = re.sub(r"(?m)^[^\S\n]*#.*", "", text)
     for start, body in bodies or [(1, text)]:
         rows, line = [], start
@@ -298,7 +294,7 @@ def _without_columns(body: str, arguments: int) -> str:
 
 def _listing(text: str, file: str) -> Iterator[TextTable]:
     """Numbers in brackets, as programs have them: a pair of brackets is a row, or has rows between ``;``."""
-    comments = _comments(text, file, *MARKERS)
+    comments = _lines(text, file, *MARKERS)
     around = [row for mark, line in comments for row in _comment(line, mark)]
     code = re.sub(r"(?:#|//|%).*", "", text)
     if found := re.search(_CHANGED, code):

@@ -389,7 +389,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 490,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
-    "plugins/dh2urdf_plugins/formats": 4010,
+    "plugins/dh2urdf_plugins/formats": 4020,
     "plugins/dh2urdf_plugins/loaders": 2610,
     "plugins/dh2urdf_plugins/packages": 2020,
     "plugins/dh2urdf_plugins/readers": 7020,

@@ -15,6 +15,11 @@ from dh2urdf_plugins.late import Late
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+read_urdf = Late(f"{__name__}.urdf.reader:read_urdf")
+read_urdfs = Late(f"{__name__}.urdf.scanner:scan_columns")
+read_xacro = Late(f"{__name__}.xacro.reader:read_xacro")
+read_sdf = Late(f"{__name__}.sdf.reader:read_sdf")
+read_mjcf = Late(f"{__name__}.mjcf.reader:read_mjcf")
 read_foreign_xacro = Late(f"{__name__}.xacro.reader:read_foreign_xacro")
 foreign_urdf, foreign_xacro, foreign_sdf, foreign_mjcf = (
     partial(Late("dh2urdf_plugins.descriptions.description:foreign_robot"), form)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from dh2urdf.stages import Emitter, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_mjcf
+from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -32,7 +32,7 @@ EMITTER = Emitter(
     options=MjcfOptions,
     emit=Late(f"{__name__}.writer:mjcf_files"),
     capabilities=(
-        ReadsBack(Late(f"{__name__}.reader:read_mjcf")),
+        ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
         *checks("inspection:inspect_mjcf", "files:mjcfs"),
     ),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_sdf
+from dh2urdf_plugins.formats import checks, foreign_sdf, read_sdf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -36,7 +36,7 @@ EMITTER = Emitter(
     options=SdfOptions,
     emit=Late(f"{__name__}.writer:sdf_files"),
     capabilities=(
-        ReadsBack(Late(f"{__name__}.reader:read_sdf")),
+        ReadsBack(read_sdf),
         ReadsForeign(foreign_sdf),
         *checks("inspection:inspect_sdf", "files:sdfs"),
         GivesNotices(notices),

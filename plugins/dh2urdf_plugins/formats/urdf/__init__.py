@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from dh2urdf.stages import EmitsInColumns, EmittedFile, Emitter, GivesNotices, ReadsBack, ReadsForeign, Usual
-from dh2urdf_plugins.formats import checks, foreign_urdf
+from dh2urdf_plugins.formats import checks, foreign_urdf, read_urdf, read_urdfs
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -51,9 +51,9 @@ EMITTER = Emitter(
     emit=emit,
     capabilities=(
         Usual(),
-        ReadsBack(Late(f"{__name__}.reader:read_urdf")),
+        ReadsBack(read_urdf),
         ReadsForeign(foreign_urdf),
-        EmitsInColumns(Late(f"{__name__}.columns:emit_columns"), Late(f"{__name__}.scanner:scan_columns")),
+        EmitsInColumns(Late(f"{__name__}.columns:emit_columns"), read_urdfs),
         *checks("inspection:inspect_urdf", "files:urdfs", "fixing:fixed", finds_packages=True),
         GivesNotices(notices),
     ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from dh2urdf.stages import Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_xacro
+from dh2urdf_plugins.formats import checks, foreign_xacro, read_xacro
 from dh2urdf_plugins.formats.urdf import PROFILE_HELP, ProfileName, notices
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
@@ -31,7 +31,7 @@ EMITTER = Emitter(
     options=XacroOptions,
     emit=Late(f"{__name__}.writer:xacro_files"),
     capabilities=(
-        ReadsBack(Late(f"{__name__}.reader:read_xacro"), is_costly=True),
+        ReadsBack(read_xacro, is_costly=True),
         ReadsForeign(foreign_xacro, has_macros=True),
         OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
         *checks("inspection:inspect_xacro", "files:xacros"),

@@ -358,9 +358,9 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 3970,
+    "pipeline/dh2urdf": 4060,
     "pipeline/dh2urdf/cells": 300,
-    "pipeline/dh2urdf/cli": 1680,
+    "pipeline/dh2urdf/cli": 1750,
     "pipeline/dh2urdf/commands": 1450,
     "pipeline/dh2urdf/conversion": 1420,
     "pipeline/dh2urdf/documents": 920,
@@ -371,7 +371,7 @@ BUDGETS = {
     "pipeline/dh2urdf/output": 1540,
     "pipeline/dh2urdf/plugin_system": 1810,
     "pipeline/dh2urdf/quantities": 1300,
-    "pipeline/dh2urdf/report": 2080,
+    "pipeline/dh2urdf/report": 2070,
     "pipeline/dh2urdf/robot_check": 340,
     "pipeline/dh2urdf/run_file": 1600,
     "pipeline/dh2urdf/running": 1050,
@@ -381,7 +381,7 @@ BUDGETS = {
     "pipeline/dh2urdf/tasks": 660,
     "pipeline/dh2urdf/testing": 1620,
     "pipeline/dh2urdf/variations": 1010,
-    "plugins/dh2urdf_check": 4030,
+    "plugins/dh2urdf_check": 4010,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 230,
     "plugins/dh2urdf_plugins/collision_pairs": 420,

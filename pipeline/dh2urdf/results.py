@@ -132,7 +132,7 @@ class ManipulatorEntry(TypedDict):
     """What became of one manipulator, cell or variant: a line of ``manifest.jsonl``."""
 
     name: Annotated[str, "the manipulator's, the cell's or the variant's name"]
-    status: Annotated[Literal["ok", "failed", "skipped"], "skipped where a run only looked"]
+    status: Annotated[Literal["ok", "failed", "planned"], "planned where a run only looked"]
     kind: Annotated[str | None, "of what kind the failure is: table, manipulator, transform, proof, loader, …"]
     source: Annotated[str, "the file it comes from; of a cell or variant the run file"]
     key: Annotated[str, "a hash of what its files depend on, by which a resumed run knows them"]

@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
 from string import Formatter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -122,6 +122,19 @@ class Problem:
             "accepted": self.accepted,
             "message": self.message if not self.suggestion else f"{self.message}; {self.suggestion}",
         }
+
+    @classmethod
+    def from_json(cls, entry: ProblemEntry, severity: Literal["error", "notice"], robot: str | None = None) -> Problem:
+        """The problem that an entry of a report is, with what is suggested as a part of its message."""
+        place: Any = {name: entry[name] for name in ("file", "line", "column", "place")}
+        mark = Mark(**place) if entry["file"] else None
+        about: Any = {name: entry[name] for name in ("code", "joint", "field", "found", "accepted", "message")}
+        return cls(severity=severity, mark=mark, robot=robot, **about)
+
+    @property
+    def cause(self) -> tuple[str | None, ...]:
+        """What it has in common with problems of other manipulators: all but names and numbers; words found count."""
+        return (self.severity, self.code, self.field, alike(self.message), _NUMBER.sub("#", self.found or ""))
 
     def about(self, *, robot: str | None = None, mark: Mark | None = None) -> Problem:
         """The same problem with robot and mark filled in where it has none."""
@@ -259,6 +272,77 @@ def markdown_text(text: str) -> str:
     return re.sub("[<>&|~]", lambda found: f"&#{ord(found[0])};", plain)
 
 
+# --- What several messages have in common -----------------------------------------------------------------------------
+
+MOST_PLACES = 4
+"""Places of one cause that are named besides the first."""
+LONGEST_PATTERN = 300  # characters of a pattern; of a longer message the beginning counts
+_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
+_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
+_NUMBERS = re.compile(r"#(?:, #)+")
+_SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
+
+
+def pattern(message: str) -> str:
+    """Return a message without what differs between manipulators: quoted text is '…', a number or several are #."""
+    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_PATTERN]))
+    return _NUMBERS.sub("#", without)[:LONGEST_PATTERN]
+
+
+@lru_cache(maxsize=1024)
+def alike(message: str) -> str:
+    """What a message has in common with those that name other joints, links and numbers."""
+    return _SEVERAL.sub("…", pattern(message))
+
+
+class Told(Protocol):
+    """A message with a place."""
+
+    @property
+    def mark(self) -> Mark | None:
+        """The place."""
+
+
+_Told = TypeVar("_Told", bound=Told)
+
+
+class Cause(Generic[_Told]):
+    """Messages that have one cause.
+
+    Attributes:
+        first: the one that is printed.
+        others: the others.
+        dropped: how many more others there are, of which nothing is kept.
+    """
+
+    def __init__(self, first: _Told, others: Iterable[_Told] = (), dropped: int = 0) -> None:
+        self.first, self.others, self.dropped = first, [*others], dropped
+
+    @property
+    def count(self) -> int:
+        """How many messages have the cause."""
+        return 1 + len(self.others) + self.dropped
+
+    def add(self, others: Sequence[_Told], dropped: int = 0) -> None:
+        """Take more of them; the places of the first few are kept."""
+        kept = others[: max(0, MOST_PLACES - len(self.others))]
+        self.others += kept
+        self.dropped += dropped + len(others) - len(kept)
+
+    @property
+    def elsewhere(self) -> str:
+        """Where the cause is found besides: ``3 more in 2 files: line 7, b.csv:4 and 1 more``; empty where nowhere."""
+        if self.count == 1:
+            return ""
+        here = self.first.mark.file if self.first.mark else ""
+        marks = dict.fromkeys(each.mark for each in self.others if each.mark)
+        files = {mark.file for mark in marks} | {here} - {""}
+        where = f" in {len(files)} files" if len(files) > 1 and not self.dropped else ""
+        places = dict.fromkeys(f"line {mark.line}" if mark.file == here and mark.line else str(mark) for mark in marks)
+        named = listed(list(places), MOST_PLACES, self.dropped) if places else ""
+        return f"{self.count - 1:,} more{where}{f': {named}' if named else ''}"
+
+
 def free_name(name: str, taken: set[str]) -> str:
     """A name that is not taken, with a ``_`` behind it for as long as it is; the set has it then."""
     while name in taken:
@@ -267,15 +351,16 @@ def free_name(name: str, taken: set[str]) -> str:
     return name
 
 
-def listed(texts: Sequence[str], most: int = 5) -> str:
+def listed(texts: Sequence[str], most: int = 5, others: int = 0) -> str:
     """Texts in one line, and how many more there are: ``a, b, c and 4 more``.
 
     Args:
-        texts: all of them.
+        texts: all that are known.
         most: how many are repeated.
+        others: how many more there are.
     """
-    more = len(texts) - most
-    return ", ".join(texts[:most]) + (f" and {more} more" if more > 0 else "")
+    more = max(0, len(texts) - most) + others
+    return ", ".join(texts[:most]) + (f" and {more:,} more" if more else "")
 
 
 def did_you_mean(word: str, choices: Iterable[str]) -> str | None:

@@ -14,7 +14,7 @@ import click
 
 from dh2urdf import __version__
 from dh2urdf.cli.answers import answer, answers as stream
-from dh2urdf.source import listed, printable
+from dh2urdf.source import Cause, printable
 from dh2urdf.stages import PACKAGE_FILE, SEVERITIES, Finding
 from dh2urdf_check.rules import address_of
 
@@ -219,22 +219,13 @@ SHORT = 20
 """Lines after which warnings and notes are counted and not printed; errors always are."""
 LONGEST = 240
 """Characters of what a consumer does that are printed."""
-MOST_PLACES = 4
-"""Places of one cause that are named besides the first."""
 _PARTICULAR = re.compile(r"'[^']*'|\"[^\"]*\"|\[[^\]]*\]|[-+]?\d[\d.e+-]*|\S*/\S*")
 """What differs between two messages about the same: names, numbers and paths."""
 
 
-class Cause(NamedTuple):
-    """Findings that have one cause: a rule, with the same effects in the same programs."""
-
-    first: Finding
-    others: list[Finding]
-
-
-def causes(findings: Iterable[Finding]) -> list[Cause]:
+def causes(findings: Iterable[Finding]) -> list[Cause[Finding]]:
     """The causes of some findings, the worst first, and else in their order."""
-    found: dict[tuple[object, ...], Cause] = {}
+    found: dict[tuple[object, ...], Cause[Finding]] = {}
     for finding in findings:
         is_own = finding.rule.startswith("seen-")  # What was seen without a rule is alike where its words are.
         effects = tuple(
@@ -246,7 +237,7 @@ def causes(findings: Iterable[Finding]) -> list[Cause]:
         elif key in found:
             found[key].others.append(finding)
         else:
-            found[key] = Cause(finding, [])
+            found[key] = Cause(finding)
     return sorted(found.values(), key=lambda cause: SEVERITIES.index(cause.first.severity))
 
 
@@ -256,12 +247,12 @@ def print_report(report: Report, *, is_whole: bool) -> None:
     With `is_whole`, each finding is printed by itself, with all that is known of it.
     """
     of_the_file = [finding for finding in report.findings if finding.rule != OTHER_ARM]
-    found = [Cause(finding, []) for finding in of_the_file] if is_whole else causes(of_the_file)
+    found = [Cause(finding) for finding in of_the_file] if is_whole else causes(of_the_file)
     count = left_out = 0
     for cause in found:
         severity, lines = cause.first.severity, [*map(printable, _lines(cause, is_whole=is_whole))]
         if not is_whole and severity != "error" and count + len(lines) > SHORT:
-            left_out += 1 + len(cause.others)
+            left_out += cause.count
             continue
         count += len(lines)
         if stream().isatty():
@@ -283,11 +274,11 @@ def print_report(report: Report, *, is_whole: bool) -> None:
     answer(printable(_verdict(report.consumers, of_the_file, report.inspections.answers)))
 
 
-def _lines(cause: Cause, *, is_whole: bool) -> Iterator[str]:
+def _lines(cause: Cause[Finding], *, is_whole: bool) -> Iterator[str]:
     """A cause: of a note one line, of an error or a warning also what is done with it, and the fix."""
     finding = cause.first
     head = f"{f'{finding.mark}: ' if finding.mark else ''}{finding.severity}: {finding.message} [{finding.rule}]"
-    more = _places(finding, cause.others)
+    more = cause.elsewhere
     if finding.severity == "note" and not is_whole:
         yield f"{head}{f' and {more}' if more else ''}"
         return
@@ -299,19 +290,6 @@ def _lines(cause: Cause, *, is_whole: bool) -> Iterator[str]:
     for line in _said(finding):
         yield f"    {line if is_whole or len(line) <= LONGEST else f'{line[: LONGEST - 1]}…'}"
     yield f"    fix: {finding.fix}"
-
-
-def _places(first: Finding, others: Sequence[Finding]) -> str:
-    """Where a cause is found besides: how often, and the first places."""
-    if not others:
-        return ""
-    here = first.mark.file if first.mark else ""
-    marks = list(dict.fromkeys(each.mark for each in others if each.mark))
-    files = {mark.file for mark in marks} | {here} - {""}
-    where = f" in {_count(len(files), 'file')}" if len(files) > 1 else ""
-    places = dict.fromkeys(f"line {mark.line}" if mark.file == here and mark.line else str(mark) for mark in marks)
-    named = listed(list(places), MOST_PLACES)
-    return f"{len(others)} more{where}{f': {named}' if named else ''}"
 
 
 def _said(finding: Finding) -> Iterator[str]:

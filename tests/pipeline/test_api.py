@@ -170,7 +170,7 @@ class TestRun:
         """Settings, another place and a dry run, as the command has them."""
         looked = dh2urdf.run("run.yaml", dry_run=True)
         assert not Path("out").exists()
-        assert looked["manipulators"][0]["status"] == "skipped"
+        assert looked["manipulators"][0]["status"] == "planned"
         report = dh2urdf.run("run.yaml", Path("there"), settings={"emitters": ["urdf", "mjcf"], "proof.poses": 3})
         assert [file["path"] for file in report["manipulators"][0]["files"]] == ["ur5.urdf", "ur5.xml"]
         assert report["manipulators"][0]["proof"]["urdf"]["poses"] == 6

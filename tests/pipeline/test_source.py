@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import chain
+from typing import Any
+
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.source import Mark, Problem, did_you_mean, shown
+from dh2urdf.source import Cause, Mark, Problem, did_you_mean, shown
 
 FULL = Problem(
     message="the twist is larger than a whole turn",
@@ -57,3 +61,36 @@ class TestDidYouMean:
     def test_the_nearest_choice_is_named(self, word: str) -> None:
         """A slip of a finger, a capital and a missing letter find the word that was meant."""
         assert did_you_mean(word, ["variant", "frames"]) == "did you mean 'frames'?"
+
+
+class TestCauses:
+    @pytest.mark.parametrize(
+        ("other", "is_one"),
+        [
+            ({"robot": "panda", "joint": "j3", "mark": None}, True),
+            ({"message": "'j9' turns by 7 and 8e-3", "found": "-3.1"}, True),
+            ({"found": "limts"}, False),
+            ({"message": "'j9' slides by 7"}, False),
+            ({"field": "beta"}, False),
+            ({"severity": "notice"}, False),
+        ],
+    )
+    def test_names_and_numbers_do_not_make_a_cause(self, other: dict[str, Any], is_one: bool) -> None:  # noqa: FBT001
+        """Two problems have one cause if they differ in where they are, in names and in numbers only."""
+        one = replace(FULL, message="'j1' turns by 2")
+        assert (one.cause == replace(one, **other).cause) is is_one
+
+    def test_it_comes_back_from_a_report(self) -> None:
+        """With its place; what is suggested is a part of the message there, and the manipulator is the row's."""
+        back = Problem.from_json(FULL.as_json(), FULL.severity, FULL.robot)
+        assert back == replace(FULL, message=f"{FULL.message}; {FULL.suggestion}", suggestion=None)
+
+    @given(st.lists(st.lists(st.integers(1, 30), max_size=9), max_size=9))
+    def test_batches_add_up(self, batches: list[list[int]]) -> None:
+        """However they are cut into batches, all are counted, and the first places are named."""
+        cause, lines = Cause(FULL), [*chain.from_iterable(batches)]
+        for batch in batches:
+            cause.add([replace(FULL, mark=Mark(file="ur5.csv", line=line)) for line in batch])
+        assert cause.count == 1 + len(lines)
+        named = cause.elsewhere.removeprefix(f"{len(lines)} more: ").partition(" and ")[0]
+        assert named == ", ".join(f"line {line}" for line in dict.fromkeys(lines[:4]))

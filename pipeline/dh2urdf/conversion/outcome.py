@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ManifestRow: TypeAlias = "ManipulatorEntry"
 """A row of the manifest."""
 _LINE = orjson.OPT_APPEND_NEWLINE | orjson.OPT_NON_STR_KEYS
-Status: TypeAlias = Literal["ok", "failed", "skipped"]
+Status: TypeAlias = Literal["ok", "failed", "planned"]
 NotLoaded: TypeAlias = Literal["not in the sample", "no file"]
 
 
@@ -60,7 +60,7 @@ class Outcome:
 
     Attributes:
         name: its name.
-        status: ok, failed, or skipped where the run only looked.
+        status: ok, failed, or planned where the run only looked.
         source: the file it comes from.
         kind: of what kind its failure is, such as ``proof``.
         drawn: what was drawn for it, by field and joint: ``a_2`` [SI].

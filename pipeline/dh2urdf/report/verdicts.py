@@ -5,11 +5,10 @@ All comes from the rows of the manifest, so that a run that was resumed, or made
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.source import Mark
+from dh2urdf.source import Problem, alike, pattern
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,15 +19,9 @@ if TYPE_CHECKING:
 MOST_NOTICES = 200
 """Different notices of simulators that are counted one by one; the manifest has the others too."""
 _COUNTS = ("of", "passed", "failed", "missing", "not_in_sample", "no_file")
-_SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
 
 MAX_REASONS, MAX_NAMES = 100, 1000
 """Reasons of one kind of failure that the index tells apart, and names that it lists."""
-LONGEST_REASON = 300  # characters of a reason; of a longer one the beginning counts
-
-_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
-_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
-_NUMBERS = re.compile(r"#(?:, #)+")
 
 
 class Verdicts:
@@ -65,8 +58,7 @@ class Verdicts:
                 if (name, kind) in self._notices:
                     self._notices[name, kind]["manipulators"] += 1
                 elif len(self._notices) < MOST_NOTICES:
-                    file, line, column = problem["file"], problem["line"], problem["column"]
-                    mark = Mark(file=file, line=line, column=column, place=problem["place"]) if file else None
+                    mark = Problem.from_json(problem, "notice").mark
                     self._notices[name, kind] = {
                         "loader": name,
                         "manipulators": 1,
@@ -80,11 +72,6 @@ class Verdicts:
         """What the loaders noticed, loader by loader, the most frequent first."""
         order = list(self.coverage)
         return sorted(self._notices.values(), key=lambda each: (order.index(each["loader"]), -each["manipulators"]))
-
-
-def alike(message: str) -> str:
-    """What a message has in common with those that name other joints, links and numbers."""
-    return _SEVERAL.sub("…", pattern(message))
 
 
 def holds_still(row: ManipulatorEntry) -> bool | None:
@@ -154,9 +141,3 @@ class FailureIndex:
         }
         counts = {status: self._statuses[status] for status in ("ok", "failed")}
         return {"manipulators": self._statuses.total(), **counts, "failures": failures}
-
-
-def pattern(message: str) -> str:
-    """Return a message without what differs between manipulators: quoted text is '…', a number or several are #."""
-    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_REASON]))
-    return _NUMBERS.sub("#", without)[:LONGEST_REASON]

@@ -406,7 +406,7 @@ class Work:
         own = what.notices if isinstance(what, Manipulator | Rejected) and place not in self.drawn else ()
         outcome = Outcome(
             name=what.name,
-            status="skipped" if self.worker.effect is Depth.LOOK else "ok",
+            status="planned" if self.worker.effect is Depth.LOOK else "ok",
             source=batch.sources[place],
             drawn=self.drawn.get(place, {}),
             keeps_kinematics=self.recipe.keeps_kinematics,

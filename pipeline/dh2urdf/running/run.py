@@ -220,7 +220,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(replace(report, rows=b""))
+            unread.append(report if readable else replace(report, rows=b""))
             if readable:
                 for each in unread:
                     if note:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.errors import SCREENFUL
 from dh2urdf.output.journal import Leftovers
-from dh2urdf.source import Problem, in_file_order
+from dh2urdf.source import Cause, Problem, in_file_order
 
 if TYPE_CHECKING:
     from dh2urdf.conversion.outcome import Outcome
 
 TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
+MOST_CAUSES = 200
+"""Causes of notices and failures that are told apart; the manifest has the others too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,9 +26,10 @@ class BatchReport:
     Attributes:
         first: number of its first manipulator in the run.
         rows: its part of the manifest, a line of JSON for each.
-        statuses: how many are ok, kept from an earlier run, failed or skipped.
+        statuses: how many are ok, kept from an earlier run, failed or planned.
         kinds: how many failed, by kind.
-        problems: what was noticed and what failed, a screenful of each; what is noticed of many is there once.
+        problems: what was noticed and what failed, a screenful of each.
+        causes: the same of all of its manipulators, those together that have one cause.
         severities: how many notices and errors there are.
         tracebacks: where stages failed, a screenful.
         unread: the names of those of which there was no manipulator at all.
@@ -40,13 +43,13 @@ class BatchReport:
     statuses: Counter[str] = field(default_factory=Counter)
     kinds: Counter[str] = field(default_factory=Counter)
     problems: list[Problem] = field(default_factory=list)
+    causes: dict[tuple[str | None, ...], Cause[Problem]] = field(default_factory=dict)
     severities: Counter[str] = field(default_factory=Counter)
     tracebacks: list[str] = field(default_factory=list)
     unread: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
     timings: list[dict[str, Any]] = field(default_factory=list)
     printed: tuple[str, ...] = ()
-    _said: set[Problem] = field(default_factory=set, repr=False)
 
     @property
     def count(self) -> int:
@@ -69,8 +72,9 @@ class BatchReport:
         problems = (*outcome.notices, *graver, *outcome.errors)
         for problem in problems if outcome.was_read else in_file_order(problems):
             self.severities[problem.severity] += 1
-            if self.severities[problem.severity] <= SCREENFUL and is_new(problem, self._said):
+            if self.severities[problem.severity] <= SCREENFUL:
                 self.problems.append(problem)
+            add_cause(self.causes, problem.cause, Cause(problem))
         if outcome.traceback and len(self.tracebacks) < SCREENFUL:
             self.tracebacks.append(outcome.traceback)
         if self.first < TIMED and outcome.seconds:
@@ -79,26 +83,23 @@ class BatchReport:
             self.unread.append(outcome.name)
 
 
-def is_new(problem: Problem, said: set[Problem]) -> bool:
-    """Whether a message is still to be reported; a notice without a place is the same for all manipulators of a run.
-
-    Args:
-        problem: the message.
-        said: the notices of that kind that were reported; this one is added.
-    """
-    if problem.severity != "notice" or problem.mark is not None:
+def add_cause(
+    causes: dict[tuple[str | None, ...], Cause[Problem]], key: tuple[str | None, ...], cause: Cause[Problem]
+) -> bool:
+    """Add problems of one cause to the causes so far, as long as these are few; whether it is a new cause."""
+    if key in causes:
+        causes[key].add([cause.first, *cause.others], cause.dropped)
+    elif len(causes) < MOST_CAUSES:
+        causes[key] = Cause(cause.first, cause.others, cause.dropped)
         return True
-    words = replace(problem, robot=None)
-    is_known = words in said
-    said.add(words)
-    return not is_known
+    return False
 
 
 class Result:
     """What became of a run, so far.
 
     Attributes:
-        statuses: how many manipulators are ok, kept from an earlier run, failed or skipped.
+        statuses: how many manipulators are ok, kept from an earlier run, failed or planned.
         kinds: how many failed, by kind.
         seconds: how long the steps took, added up over all workers; `total` is the time that passed [s].
         timings: how long the steps of the first manipulators took [s].

@@ -45,13 +45,17 @@ class TestOutput:
         assert answer.stdout.endswith("1 made\nwritten to out\n")
 
     def test_notices_are_said_beside_errors(self, cli: Cli, folder: Path) -> None:
-        """Of one manipulator, in the order of the file: by `convert`, by `run`, and in both reports."""
+        """Of one manipulator, by `convert` in the order of the file, by a run each cause once; in both reports all."""
         table = "# convention: standard\nrobot,a,alpha,d,supplier\nbad,0.4,1.5708,0.1,ACME\nbad,0.4,ninety,0.1,ACME\n"
         (folder / "arm.csv").write_text(table + "good,0.4,0,0,ACME\n")
-        for words, status in ((("convert", "arm.csv", "--robot", "bad"), 2), (("run", "arm.yaml"), 1)):
+        first, second, error = ["arm.csv:2:17", "notice"], ["arm.csv:3:9", "notice"], ["arm.csv:4:9", "error"]
+        for words, status, told in (
+            (("convert", "arm.csv", "--robot", "bad"), 2, [first, second, error]),
+            (("run", "arm.yaml", "--verbose"), 1, [first, second, error]),
+            (("run", "arm.yaml"), 1, [error, first, second]),
+        ):
             lines = cli(*words, status=status).stderr.splitlines()
-            said = [line.split(": ")[:2] for line in lines if line.startswith("arm.csv:")]
-            assert said == [["arm.csv:2:17", "notice"], ["arm.csv:3:9", "notice"], ["arm.csv:4:9", "error"]]
+            assert [line.split(": ")[:2] for line in lines if line.startswith("arm.csv:")] == told
         entry, _ = (json.loads(line) for line in (folder / "out" / "manifest.jsonl").read_text().splitlines())
         assert [notice["line"] for notice in entry["notices"]] == [2, 3]
         assert [error["line"] for error in entry["errors"]] == [4]
@@ -68,11 +72,12 @@ class TestOutput:
         """--dry-run reads and checks everything, says what it would say, and writes nothing."""
         answer = cli("run", "arms.yaml", "--dry-run", status=1)
         assert written(folder) == set()
-        assert "2 skipped, 1 failed (table: 1)" in answer.stdout
+        assert "2 planned, 1 failed (table: 1)" in answer.stdout
         assert "(dry run: nothing was written)" in answer.stdout
+        assert "made" not in answer.stdout
         assert "arms.csv:4" in answer.stderr
         assert (
-            json.loads(cli("run", "arm.yaml", "--dry-run", "--json").stdout)["manipulators"][0]["status"] == "skipped"
+            json.loads(cli("run", "arm.yaml", "--dry-run", "--json").stdout)["manipulators"][0]["status"] == "planned"
         )
         assert written(folder) == set()
 

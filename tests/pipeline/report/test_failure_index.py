@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.report.verdicts import LONGEST_REASON, MAX_NAMES, MAX_REASONS, FailureIndex, pattern
+from dh2urdf.report.verdicts import MAX_NAMES, MAX_REASONS, FailureIndex
+from dh2urdf.source import LONGEST_PATTERN, pattern
 
 
 def row(name: str = "arm", **facts: Any) -> dict[str, Any]:
@@ -68,7 +69,7 @@ class TestIndex:
         assert failures["names"] == [f"arm_{number}" for number in range(MAX_NAMES)]
         assert [reason["pattern"][:2] for reason in failures["reasons"]] == words[:MAX_REASONS]
         assert {reason["count"] for reason in failures["reasons"]} == {10}
-        assert {len(reason["pattern"]) for reason in failures["reasons"]} == {LONGEST_REASON}
+        assert {len(reason["pattern"]) for reason in failures["reasons"]} == {LONGEST_PATTERN}
         assert failures["other_reasons"] == 10 * 50
 
     @pytest.mark.parametrize(

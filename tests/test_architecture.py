@@ -362,31 +362,31 @@ BUDGETS = {
     "pipeline/dh2urdf/cells": 300,
     "pipeline/dh2urdf/cli": 1750,
     "pipeline/dh2urdf/commands": 1450,
-    "pipeline/dh2urdf/conversion": 1420,
-    "pipeline/dh2urdf/documents": 920,
+    "pipeline/dh2urdf/conversion": 1460,
+    "pipeline/dh2urdf/documents": 930,
     "pipeline/dh2urdf/isolation": 1390,
     "pipeline/dh2urdf/kinematics": 2670,
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 970,
     "pipeline/dh2urdf/output": 1540,
-    "pipeline/dh2urdf/plugin_system": 1810,
+    "pipeline/dh2urdf/plugin_system": 1850,
     "pipeline/dh2urdf/quantities": 1300,
-    "pipeline/dh2urdf/report": 2070,
+    "pipeline/dh2urdf/report": 2080,
     "pipeline/dh2urdf/robot_check": 340,
     "pipeline/dh2urdf/run_file": 1600,
     "pipeline/dh2urdf/running": 1050,
     "pipeline/dh2urdf/scaffold": 210,
-    "pipeline/dh2urdf/stages": 1040,
+    "pipeline/dh2urdf/stages": 1050,
     "pipeline/dh2urdf/table_text": 380,
     "pipeline/dh2urdf/tasks": 660,
-    "pipeline/dh2urdf/testing": 1620,
+    "pipeline/dh2urdf/testing": 1630,
     "pipeline/dh2urdf/variations": 1010,
     "plugins/dh2urdf_check": 4010,
     "plugins/dh2urdf_plugins": 340,
     "plugins/dh2urdf_plugins/calibrations": 230,
     "plugins/dh2urdf_plugins/collision_pairs": 420,
     "plugins/dh2urdf_plugins/descriptions": 1280,
-    "plugins/dh2urdf_plugins/edits": 490,
+    "plugins/dh2urdf_plugins/edits": 730,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
     "plugins/dh2urdf_plugins/formats": 4020,
@@ -432,7 +432,7 @@ STAGES_NAMED = {
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
 }
 """Where the host has a word that is also the name of a built-in stage."""
-MERE_WORDS = {"table", "local", "limits", "payload"}
+MERE_WORDS = {"table", "local", "limits", "masses", "payload", "values"}
 """Names of stages that are words of every day."""
 
 

@@ -25,9 +25,11 @@ from dh2urdf.testing import (
 )
 from dh2urdf_plugins.edits.calibrate import CalibrateOptions
 from dh2urdf_plugins.edits.limits import LimitsOptions
+from dh2urdf_plugins.edits.masses import MassesOptions
 from dh2urdf_plugins.edits.mount import MountOptions
 from dh2urdf_plugins.edits.payload import PayloadOptions
 from dh2urdf_plugins.edits.rename import RenameOptions
+from dh2urdf_plugins.edits.values import ValuesOptions
 from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
 from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
@@ -226,9 +228,17 @@ class TestCalibrate(EditContract):
 
 MOUNT = MountOptions(name="camera", xyz=(0.0, 0.05, 0.1), size=(0.02, 0.09, 0.02), mass=0.1, optical=True)
 TestLimits = held(EditContract, "limits", options=LimitsOptions(range=0.9, velocity=0.5, effort=0.8))
+TestMasses = held(EditContract, "masses", options=MassesOptions(total=20.6, base=4.0))
 TestMount = held(EditContract, "mount", options=MOUNT)
 TestPayload = held(EditContract, "payload", options=PayloadOptions(mass=2.5, com=(0, 0.01, 0.1), size=(0.1, 0.2, 0.3)))
 TestRename = held(EditContract, "rename", options=RenameOptions(prefix="left_", pattern="_joint$"))
+
+
+class TestValues(EditContract):
+    stage = CATALOG.get("edit", "values")
+    options = ValuesOptions(joints={"joint_1": {"a": "*1.4", "d": "+20 mm", "alpha": "-90 deg", "mass": "2 kg"}})
+    manipulators = tuple(arm for arm in reference_manipulators() if arm.rows[0].joint == "joint_1")
+
 
 TestUrdf = held(EmitterContract, "urdf")
 TestXacro = held(EmitterContract, "xacro")

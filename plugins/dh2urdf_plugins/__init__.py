@@ -37,10 +37,10 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_edits() -> Iterable[Edit[Any]]:
-    """Calibrations, limits, payloads and names, which change the table; and frames that are mounted on the robot."""
-    from dh2urdf_plugins.edits import calibrate, limits, mount, payload, rename
+    """Changes of the table: calibrations, limits, masses, payloads, names and values; and frames on the robot."""
+    from dh2urdf_plugins.edits import calibrate, limits, masses, mount, payload, rename, values
 
-    return (calibrate.EDIT, limits.EDIT, mount.EDIT, payload.EDIT, rename.EDIT)
+    return (calibrate.EDIT, limits.EDIT, masses.EDIT, mount.EDIT, payload.EDIT, rename.EDIT, values.EDIT)
 
 
 @hookimpl

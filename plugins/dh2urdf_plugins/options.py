@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 
@@ -15,3 +15,11 @@ def option(text: str, default: T, **more: object) -> T:
     whether it is `repeatable`, and which `commands` alone have it.
     """
     return field(default=default, metadata={"help": text, **more})
+
+
+def mapping(text: str, **more: object) -> Any:  # noqa: ANN401 - a dictionary, as `dataclasses.field`
+    """A field that is a mapping by names of the arm, empty by default.
+
+    With a word for `others` in the metadata, such as ``JOINT``, it holds all keys that are no other option.
+    """
+    return field(default_factory=dict, hash=False, metadata={"help": text, **more})

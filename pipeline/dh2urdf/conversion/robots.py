@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from dh2urdf.errors import ManipulatorError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.manipulator import BASE, ROOT, Manipulator
 from dh2urdf.plugin_system.calls import Call, a_record, blaming, depending_on
 from dh2urdf.robot import Robot
 from dh2urdf.robot_check import check_robot, sure_columns
 from dh2urdf.rotations import DividedError
-from dh2urdf.stages import Edit
+from dh2urdf.stages import Edit, NeedsMasses
 from dh2urdf.variations.drawn_links import torn_links
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def make_item(
         ManipulatorError: a stage refuses an arm, the arms of a cell do not go together, or the robot breaks a rule.
     """
     if isinstance(item, Manipulator):
-        table = edited_table(item, edits)
+        table = edited_table(item, transform, edits)
         return _robot_of(table, item, transform, edits), ExpectedPoses.of(table)
     from dh2urdf.cells.cell import cannot_be, compose, expected_poses_of
 
@@ -48,7 +48,7 @@ def make_item(
     for arm in {arm.of: arm for arm in reversed(item.call.arms)}.values():
         table = item.manipulators[arm.of]
         try:
-            tables[arm.of] = edited_table(table, edits)
+            tables[arm.of] = edited_table(table, transform, edits)
             robots[arm.of] = _robot_of(tables[arm.of], table, transform, edits)
         except ManipulatorError as error:
             problems += cannot_be(arm, error.problems)
@@ -67,17 +67,35 @@ def make_robot(
     return make_item(manipulator, transform, edits)[0]
 
 
-def edited_table(manipulator: Manipulator, edits: Iterable[Call[Edit[Any]]]) -> Manipulator:
+def edited_table(
+    manipulator: Manipulator, transform: Call[Transform[Any]], edits: Iterable[Call[Edit[Any]]]
+) -> Manipulator:
     """A manipulator after the edits of tables.
 
     Raises:
-        ManipulatorError: an edit refuses it, or is at fault.
+        ManipulatorError: an edit refuses it, or is at fault; or no robot can be made to weigh it.
     """
     table = manipulator
     for call in edits:
         if call.stage.edit_table is not None:
+            if call.stage.can(NeedsMasses) and lacks_masses(table):
+                with blaming(transform):
+                    table = with_masses(table, a_record(transform.stage.transform(table, transform.options), Robot))
             table = _edited(call, call.stage.edit_table, table)
     return _with_torn_links(table, manipulator)
+
+
+def lacks_masses(table: Manipulator) -> bool:
+    """Whether a table does not say what the base and every link weigh."""
+    return table.base_mass is None or any(row.mass is None for row in table.rows)
+
+
+def with_masses(table: Manipulator, robot: Robot) -> Manipulator:
+    """A table with the masses of its robot where it has none itself."""
+    masses = {link.name: link.inertial.mass for link in robot.links if link.inertial}
+    rows = [row if row.mass is not None else replace_unchecked(row, mass=masses.get(row.link)) for row in table.rows]
+    base = masses.get(BASE, masses.get(ROOT, 0.0)) if table.base_mass is None else table.base_mass
+    return replace_unchecked(table, rows=tuple(rows), base_mass=base)
 
 
 def _with_torn_links(table: Manipulator, original: Manipulator) -> Manipulator:
@@ -161,7 +179,9 @@ def _found_wrong(robot: Robot, mark: Mark | None, after: Call[Edit[Any]] | None 
 # --- Many at once, in columns -----------------------------------------------------------------------------------------
 
 
-def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]]) -> ManipulatorColumns:
+def edited_tables(
+    columns: ManipulatorColumns, transform: Call[Transform[Any]], edits: Sequence[Call[Edit[Any]]]
+) -> ManipulatorColumns:
     """Many manipulators after the edits of tables.
 
     Raises:
@@ -171,6 +191,8 @@ def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]])
     original = columns.table
     for call in edits:
         if call.stage.edit_table is not None:
+            if call.stage.can(NeedsMasses) and lacks_masses(columns.table):
+                columns = replace(columns, table=with_masses(columns.table, _robots_alike(columns, transform)))
             columns = replace(columns, table=_edited(call, call.stage.edit_table, columns.table))
             if len(columns.table.rows) != len(columns.lines[0]):
                 columns = replace(columns, lines=((None,) * len(columns.table.rows),) * len(columns))
@@ -178,6 +200,24 @@ def edited_tables(columns: ManipulatorColumns, edits: Sequence[Call[Edit[Any]]])
                 columns.pick(0)  # The checks of a manipulator, which a table of columns does without.
     table = _with_torn_links(columns.table, original)
     return columns if table is columns.table else replace(columns, table=table)
+
+
+def _robots_alike(columns: ManipulatorColumns, transform: Call[Transform[Any]]) -> Robot:
+    """The robots of many manipulators in one record of columns.
+
+    Raises:
+        DividedError: some of them are made in another way than the others.
+    """
+    import numpy as np
+
+    from dh2urdf.plugin_system.column_calls import transform_columns
+
+    alike = np.zeros(len(columns), dtype=bool)
+    for places, robots in transform_columns(transform, columns)[:1]:
+        alike[list(places)] = robots.sure
+        if alike.all() and list(places) == sorted(places):
+            return robots.robot
+    raise DividedError(alike)
 
 
 def edited_robots(robots: RobotColumns, edits: Sequence[Call[Edit[Any]]], notices: Sequence[Problem]) -> RobotColumns:

@@ -8,6 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from dh2urdf.documents.archives import BROKEN_ARCHIVE as BROKEN_ARCHIVE
     from dh2urdf.documents.document import load_yaml as load_yaml, stream_yaml as stream_yaml
+    from dh2urdf.documents.measures import MOST_TURNS as MOST_TURNS, measured as measured
     from dh2urdf.documents.nodes import Item as Item, Node as Node
     from dh2urdf.documents.text_files import (
         check_file as check_file,
@@ -33,6 +34,7 @@ else:
         {
             "archives": "BROKEN_ARCHIVE",
             "document": "load_yaml stream_yaml",
+            "measures": "MOST_TURNS measured",
             "nodes": "Item Node",
             "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
             "refuse_other_kind",

@@ -12,6 +12,8 @@ from dh2urdf.source import shown
 if TYPE_CHECKING:
     from dh2urdf.documents.nodes import Node
 
+MOST_TURNS = 10
+"""What a limit of a joint may be at most without a unit where it may be an angle: beyond, degrees may be meant."""
 LARGEST_ANGLE = 1000 * tau
 """Angles beyond a thousand turns have lost too many digits [rad]."""
 

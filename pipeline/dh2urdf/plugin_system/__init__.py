@@ -13,14 +13,14 @@ if TYPE_CHECKING:
         Provided as Provided,
         load as load,
     )
-    from dh2urdf.plugin_system.option_types import describe_options as describe_options
+    from dh2urdf.plugin_system.option_types import WrittenNumber as WrittenNumber, describe_options as describe_options
     from dh2urdf.plugin_system.task_window import handed_over as handed_over
 else:
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
             "catalog": "Catalog KINDS Provided RECORDS load",
-            "option_types": "describe_options",
+            "option_types": "WrittenNumber describe_options",
             "task_window": "handed_over",
         },
     )

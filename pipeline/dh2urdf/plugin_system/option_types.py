@@ -25,19 +25,36 @@ _WORDS: dict[Any, str] = {
 _BOUNDS = {"gt": "greater than", "ge": "from", "lt": "below", "le": "to"}
 
 
+NUMBER: dict[str, Any] = {"type": ["number", "string"], "minLength": 1}
+"""The JSON Schema of a number, or of the text of an expression."""
+
+
 class Words(NamedTuple):
     """What a type takes, in words: in the metadata of an annotated type."""
 
     text: str
 
 
+class WrittenNumber(NamedTuple):
+    """What a text takes that may be a bare number, too, and stays as it is written: ``+0.1`` keeps its sign."""
+
+    text: str
+
+    def __get_pydantic_json_schema__(self, _core: object, _handler: object) -> dict[str, Any]:
+        return dict(NUMBER)
+
+
 class Key(NamedTuple):
-    """A key of a record: its type, whether it has no default, what it is for, and the word for its `Dimension`."""
+    """A key of a record: its type, whether it has no default, what it is for, and the word for its `Dimension`.
+
+    A mapping with a word for `others`, such as ``JOINT``, holds all keys of the record that are none of its own.
+    """
 
     hint: Any
     is_needed: bool
     help: str
     measures: str | None
+    others: str | None = None
 
 
 def keys_of(kind: Any) -> dict[str, Key]:  # noqa: ANN401 - a dataclass
@@ -50,7 +67,7 @@ def keys_of(kind: Any) -> dict[str, Key]:  # noqa: ANN401 - a dataclass
             aliases = [alias for part in getattr(hint, "__metadata__", ()) if (alias := getattr(part, "alias", None))]
             is_needed = field.default is MISSING and field.default_factory is MISSING
             name = str([*aliases, field.name][0])
-            keys[name] = Key(hint, is_needed, str(data.get("help", "")), data.get("measures"))
+            keys[name] = Key(hint, is_needed, str(data.get("help", "")), data.get("measures"), data.get("others"))
     return keys
 
 
@@ -58,7 +75,7 @@ def describe_options(options_type: type[Any]) -> list[tuple[str, str, str, str]]
     """Every option of a stage: its name, what it takes, what it is by default, and what it is for."""
     defaults = [default_text(field) for field in fields(options_type) if field.init]
     return [
-        (name, type_text(key.hint, measures=key.measures is not None), default, key.help)
+        (key.others or name, type_text(key.hint, measures=key.measures is not None), default, key.help)
         for (name, key), default in zip(keys_of(options_type).items(), defaults, strict=True)
     ]
 
@@ -117,13 +134,15 @@ def type_text(hint: Any, *, measures: bool = False) -> str:  # noqa: ANN401 - an
     if measures:
         return type_text(hint).replace("a number", "a number with or without a unit")
     if get_origin(hint) is Annotated:
-        said = next((part.text for part in hint.__metadata__ if isinstance(part, Words)), None)
+        said = next((part.text for part in hint.__metadata__ if isinstance(part, Words | WrittenNumber)), None)
         return said or type_text(get_args(hint)[0]) + _bounds_text(hint.__metadata__)
     if get_origin(hint) in (Union, UnionType):
         return _or(type_text(member) for member in get_args(hint) if member is not NoneType)
     if words := choices(hint):
         return _or(words)
     mapping = f"a mapping of {', '.join(keys_of(hint))}" if is_dataclass(hint) else None
+    if get_origin(hint) is dict and (entry := get_args(hint)[1]) is not Any:
+        mapping = f"a mapping, each entry {type_text(entry)}"
     known = _WORDS.get(hint) or mapping or _list_text(hint) or _WORDS.get(get_origin(hint))
     return known or str(getattr(hint, "__name__", hint))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import sys
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, get_args, get_origin
@@ -110,6 +110,7 @@ class _Given(Generic[T]):
         seen: the values by their place, each with its type and whether it may have a unit.
         wrong: the places of values whose problem is noted already.
         unknown: the keys that are none, by the place of their mapping.
+        others: the names of mappings that hold the other keys of a record: nobody has written these.
     """
 
     def __init__(self, kind: type[T], root: Node, whose: str, keyword: str, folder: Path | None) -> None:
@@ -119,6 +120,7 @@ class _Given(Generic[T]):
         self.seen: dict[Keys, tuple[Node, Any, bool]] = {}
         self.wrong: set[Keys] = set()
         self.unknown: dict[Keys, list[str]] = {}
+        self.others: set[str | int] = set()
 
     def record(self) -> T:
         """The record; see `record_of`."""
@@ -152,18 +154,7 @@ class _Given(Generic[T]):
         if node.text is not None and value is not None and takes_text(hint, value):
             return node.text
         if isinstance(value, dict):
-            known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
-            each = next((get_args(member)[1] for member in members(hint) if get_origin(member) is dict), Any)
-            made = {}
-            for key, entry in value.items():
-                if key in known:
-                    made[key] = self._prepared(entry, known[key].hint, (*keys, key), known[key].measures)
-                elif known or records_of(hint):
-                    self.unknown.setdefault(keys, []).append(key)
-                    self.problems.append(unknown_key(node, key, known, self.whose, self.keyword, keys))
-                else:
-                    made[key] = self._prepared(entry, each, (*keys, key))
-            return made
+            return self._prepared_entries(node, value, hint, keys, measure)
         if isinstance(value, list):
             inner = next((get_args(m) for m in members(hint) if get_origin(m) in (list, tuple)), ()) or (Any,)
             last = len(inner) - 1 - (inner[-1] is ...)
@@ -178,6 +169,34 @@ class _Given(Generic[T]):
         if isinstance(value, str) and self.folder and node.line and "\0" not in value and Path in members(hint):
             return str(tidy_path(self.folder / value))
         return value
+
+    def _prepared_entries(
+        self,
+        node: Node,
+        entries: dict[str, Node],
+        hint: Any,  # noqa: ANN401 - a type
+        keys: Keys,
+        measure: str | None,
+    ) -> dict[str, Any]:
+        """The entries of a mapping, by the keys of the record that they are for."""
+        known = {name: key for record in records_of(hint) for name, key in keys_of(record).items()}
+        each = next((get_args(member)[1] for member in members(hint) if get_origin(member) is dict), Any)
+        made: dict[str, Any] = {}
+        for name in [name for name, key in known.items() if key.others]:
+            own = known.pop(name)
+            others = replace(node, value={key: entry for key, entry in entries.items() if key not in known})
+            made[name] = self._prepared(others, own.hint, (*keys, name), own.measures)
+            entries = {key: entry for key, entry in entries.items() if key in known}
+            self.others.add(name)
+        for key, entry in entries.items():
+            if key in known:
+                made[key] = self._prepared(entry, known[key].hint, (*keys, key), known[key].measures)
+            elif known or records_of(hint):
+                self.unknown.setdefault(keys, []).append(key)
+                self.problems.append(unknown_key(node, key, known, self.whose, self.keyword, keys))
+            else:
+                made[key] = self._prepared(entry, each, (*keys, key), measure)
+        return made
 
     def _in_si(self, node: Node, measure: str, keys: Keys) -> Any:  # noqa: ANN401 - any value
         """What a text or a large number measures."""
@@ -260,10 +279,13 @@ class _Given(Generic[T]):
         node = self.seen[keys][0]
         about = {"whose": self.whose, "keyword": self.keyword, "reason": reason}
         code = "value-refused" if keys else "record-refused"
-        return say(code, node.mark, field=dotted(keys) or None, found=node.text, **about)
+        return say(code, node.mark, field=self._field(keys), found=node.text, **about)
+
+    def _field(self, keys: Keys) -> str | None:
+        return dotted(tuple([key for key in keys if key not in self.others])) or None
 
     def _note(self, code: str, node: Node, keys: Keys, **values: Any) -> None:  # noqa: ANN401 - of a message
-        self.problems.append(say(code, node.mark, field=dotted(keys) or None, found=node.text, **values))
+        self.problems.append(say(code, node.mark, field=self._field(keys), found=node.text, **values))
 
 
 def dotted(keys: Keys) -> str:

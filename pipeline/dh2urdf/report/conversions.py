@@ -39,6 +39,12 @@ FILLED_IN = {
 _LIMITS = {"limits": ("lower", "upper"), "velocities": ("velocity",), "efforts": ("effort",)}
 
 
+def _filled_in(conversion: Conversion) -> dict[str, tuple[str, ...]]:
+    """What was filled in of a conversion, where its table says nothing after the edits."""
+    robot = conversion.robot
+    return filled_in(robot.manipulator or conversion.manipulator, robot, conversion.untyped)
+
+
 def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = ()) -> dict[str, tuple[str, ...]]:
     """The joints or links for which the table says nothing, by what was filled in; `untyped` joints have no type."""
     bodies = {link.name for link in robot.links if link.inertial}
@@ -77,7 +83,7 @@ def closing_line(conversion: Conversion, place: str) -> str:
             proved = f"up to {error} from the table: this transform does not keep the kinematics"
     parts = [f"{manipulator.name}: {joints_in_words(manipulator.rows)}", proved]
     words = []
-    for what, names in filled_in(manipulator, robot, conversion.untyped).items():
+    for what, names in _filled_in(conversion).items():
         of = "link" if what in ("masses", "centres of mass", "inertias") else "joint"
         count = len([name for name in names if name != BASE])
         whose = [*([counted(count, of)] if count else []), *([BASE] if BASE in names else [])]
@@ -155,7 +161,7 @@ def conversion_row(conversion: Conversion, source: str, directory: Path | None) 
                 files[-1]["content"] = file.content.decode()
             except UnicodeDecodeError:
                 raise ConfigError(say("binary-in-json", emitter=stage)) from None
-    told = filled_in(manipulator, conversion.robot, conversion.untyped)
+    told = _filled_in(conversion)
     filled: Any = {what.replace(" ", "_"): list(names) for what, names in told.items()}
     return {
         **_row(source, conversion.notices),

@@ -162,7 +162,8 @@ def _detailed(number: int, row: ManipulatorEntry, what: object, recipe: Recipe) 
     if row["files"] and isinstance(what, Manipulator | Cell):  # What ended a worker without files would end the run.
         with suppress(ManipulatorError):  # A transform with changing results is reported already.
             robot, expected = make_item(what, recipe.transform, recipe.edits)
-    arms = [("", what)] if isinstance(what, Manipulator) else []
+    # The table of the robot is the edited one.
+    arms = [("", robot.manipulator if robot and robot.manipulator else what)] if isinstance(what, Manipulator) else []
     if isinstance(what, Cell):
         arms = [(arm.prefix, what.manipulators[arm.of]) for arm in what.call.arms]
     # The rows of its tables, with their numbers from 1, by the names of the links in its robot.

@@ -216,7 +216,11 @@ def plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
     if isinstance(value, dict):
         return {str(key): plain(entry) for key, entry in value.items()}
     if is_dataclass(value):
-        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
+        found: dict[str, Any] = {}
+        for each in fields(value):
+            own = plain(getattr(value, each.name))
+            found |= own if each.metadata.get("others") else {each.name: own}
+        return found
     return str(value)
 
 

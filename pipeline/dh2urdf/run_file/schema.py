@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, get_args, get_origin
 from dh2urdf.errors import ConfigError, UnknownStageError
 from dh2urdf.plugin_system.calls import Call, a_record, depending_on
 from dh2urdf.plugin_system.catalog import KINDS
-from dh2urdf.plugin_system.option_types import keys_of, members, records_of
+from dh2urdf.plugin_system.option_types import NUMBER, keys_of, members, records_of
 from dh2urdf.plugin_system.validator import adapter_of
 from dh2urdf.results import DIALECT
 from dh2urdf.run_file import sections as keys
@@ -185,17 +185,21 @@ def _options_schemas(item: Provided, name: str) -> JsonSchema:
             described["description"] = key.help
         if key.measures:
             _take_texts(described)
+        if key.others:
+            del schema["properties"][option]
+            schema["additionalProperties"] = described["additionalProperties"] | {"description": key.help}
     definitions = {name: schema, **{f"{name}.{model}": definition for model, definition in inner.items()}}
     for definition in definitions.values():
         if definition.get("type") == "object":
-            definition["additionalProperties"] = False
+            definition.setdefault("additionalProperties", False)
     return definitions
 
 
 def _take_texts(schema: JsonSchema) -> None:
     """Let what takes a number take the text of an expression with units, too."""
     if schema.get("type") == "number":
-        schema |= keys.NUMBER
-    for part in (*schema.get("anyOf", ()), *schema.get("prefixItems", ()), schema.get("items")):
+        schema |= NUMBER
+    inner = (schema.get("items"), schema.get("additionalProperties"))
+    for part in (*schema.get("anyOf", ()), *schema.get("prefixItems", ()), *inner):
         if isinstance(part, dict):
             _take_texts(part)

@@ -19,7 +19,7 @@ from dh2urdf.meshes.conversion import ACCEPTED
 from dh2urdf.meshes.files import FILE, RELATIVE
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.output.layouts import DEFAULT_SIZE, LARGEST, Form
-from dh2urdf.plugin_system.option_types import Words, keys_of, members, records_of
+from dh2urdf.plugin_system.option_types import NUMBER, Words, keys_of, members, records_of
 from dh2urdf.rotations import ZERO
 from dh2urdf.variations.sampling import MOST_POINTS, Sampling
 from dh2urdf.variations.variation import AXES, FIELDS
@@ -31,8 +31,6 @@ MOST = 10**9  # largest whole number of a setting that counts manipulators
 MAX_POSES = 1_000_000  # random joint vectors of one proof
 MOST_VALUES = 10**4  # values of one evenly spaced grid: every chunk of tasks carries them
 MOST_SEED = 2**64
-NUMBER: dict[str, Any] = {"type": ["number", "string"], "minLength": 1}
-"""The JSON Schema of a number, or of the text of an expression."""
 PAIR = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
 _JOINT = {"type": ["integer", "string"], "minimum": 1, "minLength": 1}
 _JOINTS = {"anyOf": [_JOINT, {"type": "array", "items": _JOINT, "minItems": 1}]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from dh2urdf.documents.measures import measured
+from dh2urdf.documents.measures import MOST_TURNS, measured
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import JointType
 from dh2urdf.output.whole_files import safe_stem
@@ -34,8 +34,6 @@ _RANGES: dict[str, type[laws.Uniform | laws.LogUniform | laws.Scale | laws.Offse
 JOINT_TYPES = tuple(kind.value for kind in JointType)
 ACCEPTED_JOINTS = "all, a joint's number from 1 or its name, or a list of these"
 SPACING = "{from: LOW, to: HIGH, points: N}"
-MOST_TURNS = 10
-"""What a limit of a joint may be at most without a unit where it may be an angle: beyond, degrees may be meant."""
 
 
 class _LawReader:

@@ -301,7 +301,7 @@ class Work:
         outcomes: dict[int, Outcome] = {}
         try:
             with timed(self.seconds, "transform"):
-                edited = edited_tables(columns, self.recipe.edits)
+                edited = edited_tables(columns, self.recipe.transform, self.recipe.edits)
                 groups = transform_columns(self.recipe.transform, edited)
             for members, made in groups:
                 own = [places[member] for member in members]

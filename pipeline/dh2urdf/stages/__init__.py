@@ -279,7 +279,15 @@ class EditsInColumns:
     """
 
 
-EditCapability: TypeAlias = KeepsKinematics | EditsInColumns
+class NeedsMasses:
+    """An edit of tables that has to know what the base and every link weigh.
+
+    Where a table leaves that out, `edit_table` is given a table with the masses of the robot that the transform makes
+    of it, such as those of the drawn shapes.
+    """
+
+
+EditCapability: TypeAlias = KeepsKinematics | EditsInColumns | NeedsMasses
 """What else an edit can do."""
 
 

@@ -12,6 +12,7 @@ from xml.parsers.expat import ParserCreate
 
 from dh2urdf import stages
 from dh2urdf.columns import RobotColumns, in_columns, member, stacked
+from dh2urdf.conversion.robots import with_masses
 from dh2urdf.documents.document import load_yaml
 from dh2urdf.errors import Dh2UrdfError, EditError, EmitterError, TransformError
 from dh2urdf.fields import replace_unchecked
@@ -120,6 +121,12 @@ class EditContract(_ArmContract):
 
     kind = "edit"
     stage: ClassVar[Edit[Any]]
+
+    @classmethod
+    def arms(cls) -> list[Manipulator]:
+        """Copies of the arms, with masses where the edit needs these."""
+        arms = super().arms()
+        return [with_masses(arm, plain_robot(arm)) for arm in arms] if cls.stage.can(stages.NeedsMasses) else arms
 
     def calls(self, folder: Path) -> Iterator[Calls]:  # noqa: ARG002 - no files are needed
         """Editing tables, and arms that cannot be made; editing robots."""

@@ -136,7 +136,10 @@ class ManipulatorEntry(TypedDict):
     kind: Annotated[str | None, "of what kind the failure is: table, manipulator, transform, proof, loader, …"]
     source: Annotated[str, "the file it comes from; of a cell or variant the run file"]
     key: Annotated[str, "a hash of what its files depend on, by which a resumed run knows them"]
-    drawn: Annotated[dict[str, float | str], "what was drawn for a variant [SI], by field and number of the joint: a_2"]
+    drawn: Annotated[
+        dict[str, float | str],
+        "what was drawn [SI]: a_2, by field and number of the joint; in a cell left/a_2, left/x, with the arm",
+    ]
     keeps_kinematics: _Kept
     files: Annotated[list[FileEntry], "the files that were written"]
     proof: Annotated[

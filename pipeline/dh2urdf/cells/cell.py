@@ -6,20 +6,24 @@ the world or on a link of another arm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field as attribute, fields, replace
+from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.columns import ManipulatorGroups
+from dh2urdf.columns import ManipulatorGroups, RowField
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
+from dh2urdf.quantities import Dimension
 from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
+from dh2urdf.variations.laws import Law
+from dh2urdf.variations.sampling import Sampling
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -53,6 +57,10 @@ class WantedTables:
                 if each.name in self._wanted:  # Of too many, two are enough to say so.
                     self._wanted[each.name] = [*self._wanted[each.name][:1], each]
         self._names += names[: REMEMBERED - len(self._names)]
+
+    def has(self, name: str) -> bool:
+        """Whether a manipulator of a name that is wanted has been seen."""
+        return bool(self._wanted[name])
 
     def table(self, name: str, user: str, mark: Mark | None) -> Manipulator | tuple[Problem, ...]:
         """The manipulator of a name, once everything has been seen; why not, where there is none.
@@ -102,18 +110,54 @@ class ArmCall:
     parent: str | None = None  # name of the arm that holds it; None for the world
     link: str = WORLD  # the link of that arm, without its prefix
     placement: Origin = Origin()  # its root link in the link that holds it
-    mark: Mark | None = field(default=None, compare=False)
-    of_mark: Mark | None = field(default=None, compare=False)  # where its manipulator is named
-    parent_mark: Mark | None = field(default=None, compare=False)  # where its parent is named
+    mark: Mark | None = attribute(default=None, compare=False)
+    of_mark: Mark | None = attribute(default=None, compare=False)  # where its manipulator is named
+    parent_mark: Mark | None = attribute(default=None, compare=False)  # where its parent is named
+
+
+class Combine(StrEnum):
+    """How the variants of several arms come together in cells."""
+
+    PAIRS = "pairs"
+    """The first of each arm in the first cell, the second of each in the second."""
+    ALL = "all"
+    """Every variant of one arm with every variant of each other arm, those of the last arm fastest."""
+
+
+PLACES = {
+    **dict.fromkeys(("x", "y", "z"), RowField(Dimension.LENGTH)),
+    **dict.fromkeys(("roll", "pitch", "yaw"), RowField(Dimension.ANGLE)),
+}
+"""The numbers of a placement."""
+TRIPLES = {"xyz": ("x", "y", "z"), "rpy": ("roll", "pitch", "yaw")}
+"""Three of them, which vary alike and each by itself."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlacementRule:
+    """How the placement of an arm varies from cell to cell, as a run file asks for it."""
+
+    arm: str
+    field: str  # one of `PLACES` or of `TRIPLES`
+    law: Law  # how its values are drawn
+    mark: Mark | None = attribute(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellCall:
-    """A cell as a run file asks for it."""
+    """A cell as a run file asks for it, or cells of one name that are numbered."""
 
     name: str
     arms: tuple[ArmCall, ...]  # its arms, parents before children
-    mark: Mark | None = field(default=None, compare=False)
+    order: tuple[str, ...] = attribute(default=(), compare=False)  # their names as the run file has them
+    combine: Combine = Combine.PAIRS
+    vary: tuple[PlacementRule, ...] = ()
+    count: int | None = None  # how many cells; None for as many as there are variants, or points of grids
+    seed: int = 0  # which of all samples of placements
+    sampling: Sampling = Sampling.RANDOM  # how this sample spreads
+    notices: tuple[Problem, ...] = ()  # what is odd about its section
+    count_mark: Mark | None = attribute(default=None, compare=False)
+    mark: Mark | None = attribute(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,31 +178,14 @@ class Cell:
         return self.call.mark
 
 
-def with_tables(cells: Sequence[CellCall], gathering: WantedTables) -> Iterator[Cell | Rejected]:
-    """The cells with their tables, once everything has been seen; why not, where one cannot be made."""
-    for cell in cells:
-        found: dict[str, Manipulator] = {}
-        problems: list[Problem] = []
-        for arm in cell.arms:
-            match gathering.table(arm.of, _the_arm(arm), arm.of_mark or arm.mark):
-                case Manipulator() as table:
-                    found[arm.of] = table
-                case why_not:
-                    problems += why_not
-        yield (
-            Rejected(name=cell.name, problems=tuple(problems), mark=cell.mark)
-            if problems
-            else Cell(call=cell, manipulators=found)
-        )
-
-
 def cannot_be(arm: ArmCall, problems: Sequence[Problem]) -> Iterator[Problem]:
     """The problems of an arm's table as problems of the cell, with a sentence before them that names the cell."""
-    yield say("not-made", arm.of_mark or arm.mark, field="of", found=arm.of, user=_the_arm(arm))
+    yield say("not-made", arm.of_mark or arm.mark, field="of", found=arm.of, user=the_arm(arm))
     yield from problems
 
 
-def _the_arm(arm: ArmCall) -> str:
+def the_arm(arm: ArmCall) -> str:
+    """What messages call an arm."""
     return f"the arm {shown(arm.name)}"
 
 

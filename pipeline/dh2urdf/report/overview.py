@@ -8,6 +8,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.cells.cell import PLACES
 from dh2urdf.columns import SI_UNITS
 from dh2urdf.kinematics.proof import TOLERANCE
 from dh2urdf.report.figures import Bars
@@ -147,7 +148,8 @@ class Overview:
                 found.append(Bars(title=key, edges=[word for word, _ in common], counts=[count for _, count in common]))
             elif drawn and 0.0 < np.ptp(drawn) < math.inf:  # type: ignore[arg-type]  # numbers
                 counts, edges = np.histogram(drawn, bins=_BARS)  # type: ignore[arg-type]
-                about = FIELDS.get(key.rpartition("_")[0])
+                field = key.rpartition("/")[2]  # behind the arm of a cell
+                about = PLACES.get(field) or FIELDS.get(field.rpartition("_")[0])
                 units = [SI_UNITS.get(what, "SI") for what in (about.dimension, about.linear) if what] if about else []
                 found.append(Bars(title=key, edges=edges.tolist(), counts=counts.tolist(), unit=" or ".join(units)))
         return found

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from dh2urdf.cells.cell import ArmCall, CellCall
+from dh2urdf.cells.cell import PLACES, TRIPLES, ArmCall, CellCall, PlacementRule
 from dh2urdf.errors import ConfigError
 from dh2urdf.manipulator import WORLD
 from dh2urdf.robot import Origin
-from dh2urdf.run_file.sections import ArmSection, CellSection
+from dh2urdf.run_file.sections import ArmSection, CellSection, PlacementSection
+from dh2urdf.run_file.variation_section import read_law
 from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from dh2urdf.documents.document import Node
     from dh2urdf.run_file.reading import Reading
@@ -30,13 +31,43 @@ def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall |
     for index, (arm, entry) in enumerate(zip(given.arms, node.entries("arms"), strict=True)):
         with to.noting(entry, f"{field}.arms.{index}"):
             arms.append(_arm(arm, entry))
-    if len(arms) < len(given.arms):
+    vary = []
+    names = [arm.name for arm in arms]
+    for index, (rule, entry) in enumerate(zip(given.vary, node.entries("vary"), strict=True)):
+        with to.noting(entry, f"{field}.vary.{index}"):
+            vary.append(_rule(rule, entry, names))
+    for name in ("count", "seed", "sampling") if not given.vary else ():
+        if sampled := node.entry(name):
+            to.note("nothing-sampled", sampled, f"{field}.{name}")
+    if len(arms) < len(given.arms) or len(vary) < len(given.vary):
         return None
+    count = node.entry("count")
     with to.noting(node, field):
         if problems := [*_wrong_arms(arms)]:
             raise ConfigError(problems)
-        return CellCall(name=given.name, arms=_parents_first(arms), mark=node.mark)
+        return CellCall(
+            name=given.name,
+            arms=_parents_first(arms),
+            order=tuple(names),
+            combine=given.combine,
+            vary=tuple(vary),
+            count=given.count,
+            seed=given.seed,
+            sampling=given.sampling,
+            notices=tuple(_arms_at_one_place(given.name, arms, {rule.arm for rule in vary})),
+            count_mark=count.mark if count else None,
+            mark=node.mark,
+        )
     return None
+
+
+def _rule(given: PlacementSection, node: Node, arms: Sequence[str]) -> PlacementRule:
+    if given.arm not in arms:
+        near = did_you_mean(given.arm, arms)
+        raise ConfigError(say("placed-arm-unknown", field="arm", found=given.arm, arms=arms, suggestion=near))
+    (first, *_) = TRIPLES.get(given.field, (given.field,))
+    law, _ = read_law(given.field, PLACES[first], node)
+    return PlacementRule(arm=given.arm, field=given.field, law=law, mark=node.mark)
 
 
 def _arm(given: ArmSection, node: Node) -> ArmCall:
@@ -83,6 +114,18 @@ def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
                 "suggestion": did_you_mean(arm.parent, names),
             }
             yield say("parent-unknown", arm.parent_mark, parent=arm.parent, arm=arm.name, choices=choices, **about)
+
+
+def _arms_at_one_place(cell: str, arms: Sequence[ArmCall], varied: Collection[str]) -> Iterator[Problem]:
+    """A notice of the first arm that stands where another one does; arms whose placement varies are left out."""
+    first: dict[tuple[str | None, str, Origin], ArmCall] = {}
+    for arm in arms:
+        if arm.name not in varied:
+            other = first.setdefault((arm.parent, arm.link, arm.placement), arm)
+            if other is not arm:
+                place = WORLD if arm.parent is None else f"{arm.parent}/{arm.link}"
+                yield say("arms-at-one-place", arm.mark, robot=cell, first=other.name, second=arm.name, place=place)
+                return
 
 
 def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:

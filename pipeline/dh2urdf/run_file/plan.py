@@ -92,8 +92,8 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
     )
     recipe = replace(recipe, missing=missing_of(recipe))
     require(executor)
-    for variation in config.variations:
-        sampling.require(variation.sampling)
+    for kind in {call.sampling for call in config.variations} | {call.sampling for call in config.cells}:
+        sampling.require(kind)
     output = config.output.directory or Path()
     reports = config.report_directory or output
     if config.report_directory is None and all(call.stage.can(WritesFolders) for call in recipe.emitters):

@@ -91,13 +91,14 @@ def section_schema(kind: type[Any]) -> JsonSchema:
             properties[name]["default"] = getattr(default, "value", default)
         if key.measures:
             _take_texts(properties[name])
-    if kind is keys.RuleSection:
+    if issubclass(kind, keys.LawSection):
         told = {"description": properties["grid"].pop("description")}
         spaced = {"anyOf": [properties["grid"], section_schema(keys.SpacedSection)], **told}
         properties |= {"grid": spaced, "normal": properties["normal"] | section_schema(keys.NormalSection)}
     mapping: JsonSchema = {"type": "object", "properties": properties, "additionalProperties": False}
     if needed := [name for name, key in keys_of(kind).items() if key.is_needed]:
         mapping["required"] = needed
+    mapping |= keys.LAW_ALSO if issubclass(kind, keys.LawSection) else {}
     mapping |= keys.RULE_ALSO if kind is keys.RuleSection else {}
     return {"anyOf": [properties[keys.SHORT_FORMS[kind]], mapping]} if kind in keys.SHORT_FORMS else mapping
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args, 
 
 from pydantic import Field, WithJsonSchema  # noqa: TID253 - this module is imported where a run file is read
 
+from dh2urdf.cells.cell import PLACES, TRIPLES, Combine
 from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.documents.document import Node, expect_mapping
 from dh2urdf.manipulator import WORLD
@@ -56,10 +57,14 @@ AnyNumber: TypeAlias = Annotated[Any, Words("a number"), WithJsonSchema(NUMBER)]
 """A number in the unit of the field that varies, which is not known here."""
 Pair: TypeAlias = Annotated[Any, Words("a range: [LOW, HIGH]"), WithJsonSchema(PAIR)]
 Values: TypeAlias = Annotated[Any, WithJsonSchema({"type": "array", "items": NUMBER, "minItems": 1})]
+SampleSize: TypeAlias = Annotated[int, Field(ge=1, le=MOST_POINTS)]
+Seed: TypeAlias = Annotated[int, Field(ge=0, le=MOST_SEED - 1)]
 if TYPE_CHECKING:
     Varied: TypeAlias = str
+    Placed: TypeAlias = str
 else:
     Varied = Literal[tuple(FIELDS)]
+    Placed = Literal[(*TRIPLES, *PLACES)]
 
 
 def key(text: str, default: Any = MISSING, *, measures: str | None = None) -> Any:  # noqa: ANN401 - a field
@@ -120,23 +125,11 @@ class ArmSection:
     """An arm of a cell."""
 
     name: Text = key("the arm's name in the cell")
-    of: Text = key("the manipulator of this run that it is")
+    of: Text = key("the manipulator of this run that it is, or a variation: then each of its variants has its own cell")
     prefix: AnyText | None = key("before the names of its links and joints; NAME_ by default", None)
     parent: Text = key("world, or a link of another arm, such as left/tool0", WORLD)
     xyz: Triple = key("where it stands on its parent [m]", ZERO, measures="length")
     rpy: Triple = key("its orientation there: roll, pitch, yaw [rad]", ZERO, measures="angle")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CellSection:
-    """Several arms in one robot description."""
-
-    name: Text = key("the cell's name, after which its files are named")
-    arms: Annotated[
-        tuple[ArmSection, ...],
-        Field(min_length=1),
-        Words("a list such as [{name: left, of: ur5}, {name: right, of: ur5, xyz: [0, -0.5, 0]}]"),
-    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,13 +179,9 @@ class NormalSection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RuleSection:
-    """How a field varies. What a law accepts depends on the field, so that its values are looked at later."""
+class LawSection:
+    """How something varies. What a law accepts depends on what varies, so that its values are looked at later."""
 
-    joints: Annotated[Any, WithJsonSchema(_JOINTS)] = key(
-        "of which joints: all, numbers from 1, or names; the number of axes has none", None
-    )
-    field: Varied = key("what varies")
     choices: Values = key("one of these, all equally likely", None)
     grid: Values = key("each of these, with each of all other grids", None)
     uniform: Pair = key("any value of this range", None)
@@ -206,9 +195,28 @@ class RuleSection:
     offset: Pair = key("the nominal value plus a number of this range", None)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleSection(LawSection):
+    """How a field varies."""
+
+    joints: Annotated[Any, WithJsonSchema(_JOINTS)] = key(
+        "of which joints: all, numbers from 1, or names; the number of axes has none", None
+    )
+    field: Varied = key("what varies")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlacementSection(LawSection):
+    """How the placement of an arm varies."""
+
+    arm: Text = key("the arm of the cell")
+    field: Placed = key("what varies; xyz and rpy are three numbers, each with a value of its own")
+
+
 LAWS = ("choices", "grid", "uniform", "log-uniform", "normal", "scale", "offset")  # how values are drawn
+LAW_ALSO: dict[str, Any] = {"oneOf": [{"required": [law]} for law in LAWS]}
+"""More keywords of the JSON Schema of a law."""
 RULE_ALSO: dict[str, Any] = {
-    "oneOf": [{"required": [law]} for law in LAWS],
     "if": {"properties": {"field": {"const": AXES}}, "required": ["field"]},
     "then": {"properties": {"joints": False}},
     "else": {"required": ["joints"]},
@@ -222,16 +230,33 @@ class VariationSection:
 
     name: Text | None = key("what the names of the variants begin with; that of the manipulator by default", None)
     of: Text = key("the manipulator of this run that is varied")
-    count: Annotated[int, Field(ge=1, le=MOST_POINTS)] | None = key(
-        "how many variants; the points of its grids by default", None
-    )
-    seed: Annotated[int, Field(ge=0, le=MOST_SEED - 1)] = key("which of all samples", 0)
+    count: SampleSize | None = key("how many variants; the points of its grids by default", None)
+    seed: Seed = key("which of all samples", 0)
     sampling: Sampling = key("how the sample spreads", Sampling.RANDOM)
     vary: Annotated[
         tuple[RuleSection, ...],
         Field(min_length=1),
         Words("a list of rules, each a mapping such as {joints: [2, 3], field: a, scale: [0.8, 1.2]}"),
     ] = key("what varies")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellSection:
+    """Several arms in one robot description, or numbered cells of such arms."""
+
+    name: Text = key("the cell's name, after which its files are named")
+    arms: Annotated[
+        tuple[ArmSection, ...],
+        Field(min_length=1),
+        Words("a list such as [{name: left, of: ur5}, {name: right, of: ur5, xyz: [0, -0.5, 0]}]"),
+    ]
+    combine: Combine = key(
+        "how the variants of several arms come together: by their numbers, or all with all", Combine.PAIRS
+    )
+    vary: tuple[PlacementSection, ...] = key("how placements vary from cell to cell", ())
+    count: SampleSize | None = key("how many cells, where none of its arms is a variation", None)
+    seed: Seed = key("which of all samples of placements", 0)
+    sampling: Sampling = key("how this sample spreads", Sampling.RANDOM)
 
 
 # --- Output, and how much ---------------------------------------------------------------------------------------------

@@ -12,14 +12,15 @@ from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.quantities import Dimension, QuantityError, evaluate
 from dh2urdf.run_file.reading import Reading
 from dh2urdf.run_file.sections import LAWS, NormalSection, SpacedSection, VariationSection
-from dh2urdf.source import Messages, did_you_mean
+from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf.variations import laws
 from dh2urdf.variations.binding import LEAST_PROBABILITY
 from dh2urdf.variations.variation import ALL, AXES, FIELDS, TYPE, Rule, VariationCall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
+    from dh2urdf.columns import RowField
     from dh2urdf.documents.document import Node
 
 say = Messages(__file__)
@@ -42,8 +43,8 @@ class _LawReader:
     `units` are what the units measure that its values name.
     """
 
-    def __init__(self, what: str, field: str) -> None:
-        self._what, self._field, self._about = what, field, FIELDS[what]
+    def __init__(self, what: str, field: str, about: RowField) -> None:
+        self._what, self._field, self._about = what, field, about
         self.units: list[Dimension] = []
 
     def _wrong(self, code: str, node: Node, **values: Any) -> ConfigError:  # noqa: ANN401 - of a message
@@ -171,29 +172,44 @@ def _variation(given: VariationSection, node: Node, field: str, to: Reading) -> 
 def _rule(field: str, node: Node) -> Rule:
     """A rule whose keys are known, of a field."""
     joints = node.entry("joints")
-    found = [(name, values) for name in LAWS if (values := node.entry(name))]
-    problems = []
+    problems: list[Problem] = []
     if field == AXES and joints is not None:
         problems.append(say("axes-of-a-joint", field="joints"))
     elif field != AXES and joints is None:
         problems.append(say("vary-without-joints", field="joints", mark=node.mark, accepted=ACCEPTED_JOINTS))
-    if len(found) != 1:
-        names = ", ".join(name for name, _ in found) or None
-        code = "vary-two-ways" if found else "vary-no-way"
-        problems.append(say(code, found=names, count=len(found), laws=list(LAWS)))
     if problems:
-        raise ConfigError(problems)
+        raise ConfigError([*problems, *_law_problems(node)])
     named = None if joints is None or (joints.value == ALL and not joints.quoted) else _named_joints(joints)
-    ((name, values),) = found
-    reader = _LawReader(field, name)
+    law, units = read_law(field, FIELDS[field], node)
     return Rule(
         field=field,
-        law=reader.read(name, values),
+        law=law,
         joints=None if named is None else tuple(each.value for each in named),  # type: ignore[misc]  # as checked
-        units=tuple(dict.fromkeys(reader.units)),
+        units=units,
         mark=node.mark,
         joint_marks=tuple(each.mark for each in named or ()),
     )
+
+
+def read_law(field: str, about: RowField, node: Node) -> tuple[laws.Law, tuple[Dimension, ...]]:
+    """The law of a field by which a rule varies it, and what the units measure that its values name.
+
+    Raises:
+        ConfigError: there is none, or there are several, or one of its values is wrong.
+    """
+    if problems := [*_law_problems(node)]:
+        raise ConfigError(problems)
+    name, values = next((name, values) for name in LAWS if (values := node.entry(name)))
+    reader = _LawReader(field, name, about)
+    return reader.read(name, values), tuple(dict.fromkeys(reader.units))
+
+
+def _law_problems(node: Node) -> Iterator[Problem]:
+    """A rule has one law."""
+    names = [name for name in LAWS if node.entry(name)]
+    if len(names) != 1:
+        code = "vary-two-ways" if names else "vary-no-way"
+        yield say(code, found=", ".join(names) or None, count=len(names), laws=list(LAWS))
 
 
 def _named_joints(node: Node) -> list[Node]:

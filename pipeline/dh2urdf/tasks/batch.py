@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.cells.cell import Cell, WantedTables, with_tables
+from dh2urdf.cells.cell import Cell, WantedTables
+from dh2urdf.cells.numbered_cells import NumberedCells, made_cells, with_tables
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, in_columns
 from dh2urdf.conversion.one_manipulator import read_items
 from dh2urdf.conversion.simulators import picture_endings
@@ -26,7 +27,7 @@ from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.given_meshes import MeshGiver
 from dh2urdf.variations.binding import bind
-from dh2urdf.variations.variation import Variants, VariationCall, made_variants
+from dh2urdf.variations.variation import Variants, Variation, VariationCall, made_variants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -55,12 +56,13 @@ class RunItem(NamedTuple):
     """Something that a run has to make: one manipulator, or several that follow each other.
 
     Attributes:
-        what: a manipulator or cell, or why it cannot be read; manipulators in columns; variants that are not made yet.
+        what: a manipulator or cell, or why it cannot be read; manipulators in columns; variants or cells that are not
+            made yet.
         source: the file it comes from.
         traceback: where its reader failed.
     """
 
-    what: Manipulator | Cell | Rejected | ManipulatorGroups | Variants
+    what: Manipulator | Cell | Rejected | ManipulatorGroups | Variants[Any]
     source: str
     traceback: str = ""
 
@@ -79,6 +81,11 @@ class RunItem(NamedTuple):
         """All of them, one by one."""
         return self.what.tables() if isinstance(self.what, ManipulatorGroups | Variants) else (self.what,)
 
+    @property
+    def is_slow(self) -> bool:
+        """Whether it is made one by one, though it is many."""
+        return isinstance(self.what, Variants) and isinstance(self.what.variation, NumberedCells)
+
 
 Single: TypeAlias = Manipulator | Cell | Rejected | Doomed
 TablesAtPlaces: TypeAlias = tuple[tuple[int, ...], ManipulatorColumns]
@@ -95,7 +102,7 @@ class Batch:
         stems: the stem of the files of each.
         sources: the file each comes from.
         columns: those that differ in numbers only, with their places in the batch.
-        variants: variants of variations, with the place of the first one.
+        variants: variants of variations, and numbered cells, with the place of the first one.
         singles: all others, by their places.
         notices: what is known of them before the work begins, by their places.
         of_readers: the notices of their tables, which those in columns are without, by their places.
@@ -108,7 +115,7 @@ class Batch:
     stems: tuple[str, ...]
     sources: tuple[str, ...]
     columns: tuple[TablesAtPlaces, ...] = ()
-    variants: tuple[tuple[int, Variants], ...] = ()
+    variants: tuple[tuple[int, Variants[Any]], ...] = ()
     singles: Mapping[int, Single] = field(default_factory=dict)
     notices: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
     of_readers: Mapping[int, tuple[Problem, ...]] = field(default_factory=dict)
@@ -122,7 +129,8 @@ class Batch:
     def joints(self) -> int:
         """How many joints all those have that can be made at once."""
         tables = [(len(places), some.table) for places, some in self.columns]
-        tables += [(len(variants), variants.variation.nominal) for _, variants in self.variants]
+        own = [(len(variants), variants.variation) for _, variants in self.variants]
+        tables += [(count, variation.nominal) for count, variation in own if isinstance(variation, Variation)]
         return sum(count * len(table.rows) for count, table in tables)
 
     def begin(self, count: int) -> list[Single]:
@@ -158,20 +166,24 @@ class Batch:
 
 
 def variants_from(
-    first: int, variants: Variants, drawn: Sequence[dict[str, DrawnValue]]
+    first: int, variants: Variants[Any], drawn: Sequence[dict[str, DrawnValue]]
 ) -> tuple[list[TablesAtPlaces], dict[int, Single]]:
-    """The tables of variants, and why some have none, by their places in a batch.
+    """The tables of variants, or numbered cells, and why there are none, by their places in a batch.
 
     Args:
         first: the place of the first one.
         variants: the variants.
         drawn: what was drawn for each.
     """
-    groups, errors = made_variants(variants, drawn)
-    doomed: dict[int, Single] = {
-        first + place: Doomed(variants.names[place], error, variants.variation.mark) for place, error in errors.items()
-    }
-    return [(tuple([first + place for place in places]), columns) for places, columns in groups], doomed
+    if isinstance(variants.variation, NumberedCells):
+        cells, errors = made_cells(variants, drawn)
+        groups: list[tuple[list[int], ManipulatorColumns]] = []
+    else:
+        cells, (groups, errors) = {}, made_variants(variants, drawn)
+    singles: dict[int, Single] = {first + place: cell for place, cell in cells.items()}
+    names = variants.names if errors else []
+    singles |= {first + place: Doomed(names[place], error, variants.variation.mark) for place, error in errors.items()}
+    return [(tuple([first + place for place in places]), columns) for places, columns in groups], singles
 
 
 def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> Iterator[Batch]:
@@ -195,7 +207,7 @@ def batches(plan: Plan, expected: Expected, own_files: Sequence[str] = ()) -> It
     first = 0
     while True:
         with collected_at_the_end():
-            some = waiting.take(sizes.next(expected.total))
+            some = waiting.take(sizes.next(expected.total, is_slow=waiting.is_slow), plan.layout.whole)
             batch = _batch(first, some, stems)
         if not some:
             expected.total = first
@@ -213,10 +225,22 @@ class _Waiting:
         self._waiting = waiting
         self._rest: RunItem | None = None
 
-    def take(self, size: int) -> list[RunItem]:
-        """The next manipulators, so many of them or all that are left."""
+    @property
+    def is_slow(self) -> bool:
+        """Whether the next ones are made one by one."""
+        self._rest = self._rest or next(self._waiting, None)
+        return self._rest is not None and self._rest.is_slow
+
+    def take(self, size: int, whole: int) -> list[RunItem]:
+        """The next manipulators, so many of them or all that are left.
+
+        Where a batch is no `whole` shard, it ends before what is made in another way.
+        """
         taken: list[RunItem] = []
         while size and (item := self._rest or next(self._waiting, None)):
+            self._rest = item
+            if taken and whole == 1 and item.is_slow is not taken[0].is_slow:
+                break
             self._rest = None
             if isinstance(item.what, ManipulatorGroups | Variants) and item.size > size:
                 self._rest = item._replace(what=item.what.part(size, item.size))
@@ -234,21 +258,23 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
     singles: dict[int, Single] = {}
     plain: list[tuple[Sequence[int], Manipulator | ManipulatorColumns]] = []
     of_readers: dict[int, tuple[Problem, ...]] = {}
-    variants: list[tuple[int, Variants]] = []
+    variants: list[tuple[int, Variants[Any]]] = []
     tracebacks: dict[int, str] = {}
     place = 0
     for item in some:
         match what := item.what:
             case Variants():
                 variants.append((place, what))
-                if what.numbers.start == 1 and (torn := tuple(what.variation.torn_links())):
-                    notices[place] = torn  # once, with the first
+                if what.numbers.start == 1 and (noticed := tuple(what.variation.notices())):
+                    notices[place] = noticed  # once, with the first
             case Manipulator():
                 plain.append(((place,), what))
             case ManipulatorGroups(groups=groups):
                 plain += [([place + member for member in members], columns) for members, columns in groups]
             case _:
                 singles[place] = what
+                if isinstance(what, Cell) and what.call.notices:
+                    notices[place] = what.call.notices
         if item.traceback:
             tracebacks[place] = item.traceback
         place += item.size
@@ -331,11 +357,14 @@ def items(plan: Plan, expected: Expected) -> Iterator[RunItem]:
     for left in meshes.left_over():
         count += 1
         yield RunItem(left, _file(left.mark))
-    expected.finish_inputs(count)
-    for cell in with_tables(plan.cells, gathering):
-        yield RunItem(cell, _file(cell.mark))
-    for variation in plan.variations:
-        yield RunItem(_variants(variation, gathering), _file(variation.mark))
+    of_variations = [_variants(call, gathering) for call in plan.variations]
+    calls = zip(plan.variations, of_variations, strict=True)
+    named = {call.name: variants for call, variants in calls if call.name != call.of}
+    of_cells = with_tables(plan.cells, gathering, named)
+    later = [RunItem(what, _file(call.mark)) for call, what in zip(plan.cells, of_cells, strict=True)]
+    later += [RunItem(what, _file(call.mark)) for call, what in zip(plan.variations, of_variations, strict=True)]
+    expected.finish_inputs(count + sum(item.size for item in later))
+    yield from later
 
 
 def _first_noticed(
@@ -357,7 +386,7 @@ def _file(mark: Mark | None) -> str:
     return mark.file if mark else ""
 
 
-def _variants(call: VariationCall, gathering: WantedTables) -> Variants | Rejected:
+def _variants(call: VariationCall, gathering: WantedTables) -> Variants[Variation] | Rejected:
     """The variants of a variation; why not, where there can be none."""
     table = gathering.table(call.of, f"the variation {shown(call.name)}", call.of_mark or call.mark)
     try:
@@ -398,14 +427,16 @@ class BatchSizes:
         self._size = self._axes = 1
         self._taken = 0
 
-    def next(self, total: int | None) -> int:
+    def next(self, total: int | None, *, is_slow: bool = False) -> int:
         """The size of the next batch; where there are shards, that of one or more of them.
 
         Args:
             total: how many manipulators the run will probably have; None where there is no saying.
+            is_slow: whether the next ones are made one by one.
         """
-        largest = LARGE if self._is_quick else SMALL
-        if total is not None and self._is_quick:
+        is_quick = self._is_quick and not is_slow
+        largest = LARGE if is_quick else SMALL
+        if total is not None and is_quick:
             largest = max(LARGE, min((total - self._taken) // self._parts, JOINTS // self._axes))
         return self._whole * max(1, min(self._size, largest) // self._whole)
 
@@ -440,8 +471,11 @@ class Expected:
         self.total: int | None = None
         self._inputs = max(1, len(plan.inputs))
         self._read = 0
+        named = {call.name for call in plan.variations if call.name != call.of}
+        of_variants = any(arm.of in named for cell in plan.cells for arm in cell.arms)
         counts = [call.count for call in plan.variations]
-        self._besides = None if None in counts else len(plan.cells) + sum(filter(None, counts))
+        counts += [cell.count if cell.vary else 1 for cell in plan.cells]
+        self._besides = None if None in counts or of_variants else sum(filter(None, counts))
 
     def see(self, count: int, what: object, source: str) -> None:
         """Take notice of how far the reading has come."""
@@ -457,10 +491,9 @@ class Expected:
         """One more input is read."""
         self._read += 1
 
-    def finish_inputs(self, count: int) -> None:
-        """All inputs are read, with so many manipulators."""
-        if self._besides is not None:
-            self.total = count + self._besides
+    def finish_inputs(self, total: int) -> None:
+        """All inputs are read, and with cells and variants there are so many manipulators."""
+        self.total = total
 
 
 @lru_cache(maxsize=1)

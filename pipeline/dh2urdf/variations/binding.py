@@ -141,17 +141,24 @@ class _Binder:
     # --- How many
 
     def count(self, factors: Sequence[Factor]) -> int:
-        grids = [factor.law.values for factor in factors if isinstance(factor.law, Grid)]
-        points = prod(len(values) for values in grids)
-        drawn = len(factors) - len(grids)
-        count = points if self.call.count is None else self.call.count
-        if self.call.sampling is Sampling.SOBOL and drawn > SOBOL_DIMENSIONS:
-            self._of_call("sobol-dimensions", drawn=drawn, most=SOBOL_DIMENSIONS)
-        elif count > MOST_POINTS:
-            self._of_call("points-too-many", points=points, most=MOST_POINTS)
-        elif count > points and not drawn:
-            self._of_call("points-repeat", points=points, count=count)
-        return count
+        count = self.call.count
+        self.problems += count_problems(factors, count, self.call.sampling, self.call.count_mark or self.call.mark)
+        return grid_points(factors) if count is None else count
 
-    def _of_call(self, code: str, **values: Any) -> None:  # noqa: ANN401 - of a message
-        self.problems.append(say(code, self.call.count_mark or self.call.mark, field="count", **values))
+
+def grid_points(factors: Sequence[Factor]) -> int:
+    """How many points the grids of some factors have, each combined with each."""
+    return prod(len(factor.law.values) for factor in factors if isinstance(factor.law, Grid))
+
+
+def count_problems(
+    factors: Sequence[Factor], count: int | None, sampling: Sampling, mark: Mark | None
+) -> Iterator[Problem]:
+    """What is wrong with a count of variants of some factors; None is as many as their grids have points."""
+    points, drawn = grid_points(factors), sum(not isinstance(factor.law, Grid) for factor in factors)
+    if sampling is Sampling.SOBOL and drawn > SOBOL_DIMENSIONS:
+        yield say("sobol-dimensions", mark, field="count", drawn=drawn, most=SOBOL_DIMENSIONS)
+    elif (points if count is None else count) > MOST_POINTS:
+        yield say("points-too-many", mark, field="count", points=points, most=MOST_POINTS)
+    elif count is not None and count > points and not drawn:
+        yield say("points-repeat", mark, field="count", points=points, count=count)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field as attribute, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from dh2urdf.columns import (
     COM,
@@ -109,14 +109,13 @@ class Variation:
         """Whether its tables differ in more than their numbers."""
         return any(factor.field in (TYPE, AXES) for factor in self.factors)
 
-    def variants(self) -> Variants:
+    def variants(self) -> Variants[Variation]:
         """All its variants."""
         return Variants(variation=self, numbers=range(1, self.count + 1))
 
     def names(self, numbers: Iterable[int]) -> list[str]:
         """The names of some of its variants: its own and their numbers, with as many digits as the last one's."""
-        name, digits = self.name, len(str(self.count))
-        return [f"{name}_{number:0{digits}d}" for number in numbers]
+        return [f"{self.name}_{numbered(number, self.count)}" for number in numbers]
 
     def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
         """What is drawn for some of its variants, by their numbers: the values of factors by their keys [SI].
@@ -124,25 +123,7 @@ class Variation:
         Grids go by the number, the last one fastest; the others by the sample. Of axes that a variant lacks, and of
         limits that its joints lack, there are none.
         """
-        if not numbers:
-            return []
-        columns: dict[str, Sequence[DrawnValue]] = {}
-        rest, combinations = [number - 1 for number in numbers], 1
-        for factor in reversed(self.factors):
-            if isinstance(factor.law, Grid):
-                values, size = factor.law.values, len(factor.law.values)
-                columns[factor.key] = [values[number % size] for number in rest]
-                rest, combinations = [number // size for number in rest], combinations * size
-        indices = [number - 1 for number in numbers]
-        if self.sampling is Sampling.SOBOL:
-            indices = [regrouped(index, combinations, self.count, self.seed) for index in indices]
-        sampled = [(factor, law) for factor in self.factors if not isinstance(law := factor.law, Grid)]
-        if sampled:
-            about: Any = {"seed": self.seed, "count": self.count, "indices": indices, "dimensions": len(sampled)}
-            for (factor, law), u in zip(sampled, points(self.sampling, **about), strict=True):
-                columns[factor.key] = draw_many(law, u, factor.nominal)
-        keys = [factor.key for factor in self.factors]
-        drawn = [dict(zip(keys, row, strict=True)) for row in zip(*(columns[key] for key in keys), strict=True)]
+        drawn = drawn_values(self.factors, numbers, count=self.count, seed=self.seed, sampling=self.sampling)
         return [self._possible(values) for values in drawn] if self.has_many_forms else drawn
 
     def _possible(self, values: dict[str, DrawnValue]) -> dict[str, DrawnValue]:
@@ -158,7 +139,7 @@ class Variation:
             found[factor.key] = values[factor.key]
         return found
 
-    def torn_links(self) -> Iterator[Problem]:
+    def notices(self) -> Iterator[Problem]:
         """A notice where links do not follow the lengths that are drawn, by the farthest of these."""
         rows = list(self.nominal.rows)
         for factor in self.factors:
@@ -169,7 +150,7 @@ class Variation:
         after = replace_unchecked(self.nominal, rows=tuple(rows))
         yield from torn_links(self.nominal, after, f"the variation {shown(self.name)} changes", self.mark)
 
-    def manipulator(self, number: int, drawn: Mapping[str, DrawnValue]) -> Manipulator:
+    def made(self, number: int, drawn: Mapping[str, DrawnValue]) -> Manipulator:
         """The table of one variant, counted from 1, for which this was drawn.
 
         Raises:
@@ -195,11 +176,71 @@ class Variation:
         return changes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Variants:
-    """Manipulators of a variation that follow each other, none of which is made yet."""
+def drawn_values(
+    factors: Sequence[Factor], numbers: Sequence[int], *, count: int, seed: int, sampling: Sampling
+) -> list[dict[str, DrawnValue]]:
+    """What is drawn for some of `count` variants, by their numbers: the values of factors by their keys [SI].
 
-    variation: Variation  # what they are variants of
+    Grids go by the number, the last one fastest; the others by the sample.
+    """
+    if not numbers:
+        return []
+    columns: dict[str, Sequence[DrawnValue]] = {}
+    rest, combinations = [number - 1 for number in numbers], 1
+    for factor in reversed(factors):
+        if isinstance(factor.law, Grid):
+            values, size = factor.law.values, len(factor.law.values)
+            columns[factor.key] = [values[number % size] for number in rest]
+            rest, combinations = [number // size for number in rest], combinations * size
+    indices = [number - 1 for number in numbers]
+    if sampling is Sampling.SOBOL:
+        indices = [regrouped(index, combinations, count, seed) for index in indices]
+    sampled = [(factor, law) for factor in factors if not isinstance(law := factor.law, Grid)]
+    if sampled:
+        about: Any = {"seed": seed, "count": count, "indices": indices, "dimensions": len(sampled)}
+        for (factor, law), u in zip(sampled, points(sampling, **about), strict=True):
+            columns[factor.key] = draw_many(law, u, factor.nominal)
+    keys = [factor.key for factor in factors]
+    rows = zip(*(columns[key] for key in keys), strict=True) if keys else ((),) * len(numbers)
+    return [dict(zip(keys, row, strict=True)) for row in rows]
+
+
+def numbered(number: int, count: int) -> str:
+    """The number of one of `count` variants, with as many digits as the last one has."""
+    return f"{number:0{len(str(count))}d}"
+
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+class DrawnByNumber(Protocol[T_co]):
+    """What has variants, each of which is drawn by its number alone."""
+
+    @property
+    def mark(self) -> Mark | None:
+        """Its place in the run file."""
+
+    def names(self, numbers: Iterable[int]) -> list[str]:
+        """The names of some of its variants."""
+
+    def notices(self) -> Iterator[Problem]:
+        """What a careful person would want to know of all its variants."""
+
+    def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
+        """What is drawn for some of its variants [SI]."""
+
+    def made(self, number: int, drawn: Mapping[str, DrawnValue]) -> T_co:
+        """One variant, for which this was drawn."""
+
+
+V = TypeVar("V", bound=DrawnByNumber[Any])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variants(Generic[V]):
+    """Variants that follow each other, none of which is made yet."""
+
+    variation: V  # what they are variants of
     numbers: range  # which ones, from 1
 
     def __len__(self) -> int:
@@ -210,25 +251,25 @@ class Variants:
         """The name of each."""
         return self.variation.names(self.numbers)
 
-    def part(self, start: int, stop: int) -> Variants:
+    def part(self, start: int, stop: int) -> Variants[V]:
         """Those from one place to before another one."""
         return Variants(variation=self.variation, numbers=self.numbers[start:stop])
 
-    def tables(self) -> Iterator[Manipulator]:
-        """The table of each, made when it is asked for.
+    def tables(self) -> Iterator[Any]:
+        """The table of each, or its cell, made when it is asked for.
 
         Raises:
             ManipulatorError: no arm has the values that are drawn.
         """
         for number in self.numbers:
-            yield self.variation.manipulator(number, self.variation.drawn((number,))[0])
+            yield self.variation.made(number, self.variation.drawn((number,))[0])
 
 
 # --- Many at once, as columns -----------------------------------------------------------------------------------------
 
 
 def made_variants(
-    variants: Variants, drawn: Sequence[dict[str, DrawnValue]]
+    variants: Variants[Variation], drawn: Sequence[dict[str, DrawnValue]]
 ) -> tuple[list[tuple[list[int], ManipulatorColumns]], dict[int, ManipulatorError]]:
     """The tables of variants, for which this was drawn.
 
@@ -241,7 +282,7 @@ def made_variants(
     places, tables = [], []
     for place in sorted(set(range(len(drawn))).difference(found[0] if found else ())):
         try:
-            tables.append(variants.variation.manipulator(variants.numbers[place], drawn[place]))
+            tables.append(variants.variation.made(variants.numbers[place], drawn[place]))
             places.append(place)
         except ManipulatorError as error:
             errors[place] = error

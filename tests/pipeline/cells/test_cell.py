@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import dh2urdf
-from dh2urdf.cells.cell import ArmCall, Cell, CellCall, WantedTables, compose, expected_poses_of, with_tables
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, WantedTables, compose, expected_poses_of
+from dh2urdf.cells.numbered_cells import with_tables
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import RobotError
@@ -308,10 +309,10 @@ class TestGathering:
 
     @pytest.mark.parametrize(
         ("of", "code"),
-        [("v", "made-of-no-input"), ("v_1", "made-of-no-input"), ("d", "made-of-no-input"), ("v_x", "made-of-nothing")],
+        [("v_1", "made-of-no-input"), ("d", "made-of-no-input"), ("v_x", "made-of-nothing")],
     )
     def test_what_the_run_makes_itself_is_named_so(self, tmp_path: Path, of: str, code: str) -> None:
-        """The name is there, in the folder of the run even; a cell is made of inputs all the same."""
+        """The name is there, in the folder of the run even; a cell is made of inputs and variations all the same."""
         (tmp_path / "b.csv").write_text("# convention: standard\na,alpha,d\n0.3,0,0\n")
         (tmp_path / "run.yaml").write_text(
             "inputs: b.csv\n"

@@ -80,7 +80,7 @@ def drawn(some: Variation) -> list[dict[str, DrawnValue]]:
 
 
 def made(some: Variation, number: int = 1) -> Manipulator:
-    return some.manipulator(number, some.drawn([number])[0])
+    return some.made(number, some.drawn([number])[0])
 
 
 def refused(*rules: Rule, **more: Any) -> Sequence[Problem]:
@@ -312,7 +312,7 @@ def test_columns_are_the_tables_of_the_variants(rules: list[Any]) -> None:
     assert places
     for place, values in enumerate(drawn(some)):
         try:
-            table = some.manipulator(place + 1, values)
+            table = some.made(place + 1, values)
         except ManipulatorError:
             assert place not in places
             continue

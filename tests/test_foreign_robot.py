@@ -7,7 +7,7 @@ from math import inf, nan
 import pytest
 from numpy.polynomial.polynomial import polyval
 
-from dh2urdf.stages.foreign_robot import Follower, following, with_followers
+from dh2urdf.robot import Follower, following, with_followers
 
 
 def test_a_chain_of_followers_in_any_order() -> None:

@@ -6,9 +6,10 @@ the sign stay as the table has them, and `dh2urdf.kinematics.chain` is the one p
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.fields import ExactRecord, Record, function_of, refuse, unchecked
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
@@ -42,6 +43,7 @@ __all__ = [
     "WORLD",
     "Convention",
     "DHRow",
+    "Follower",
     "Inertia",
     "JointType",
     "Limits",
@@ -90,6 +92,54 @@ class JointType(StrEnum):
 
 JOINT_TYPES = {kind.value: kind for kind in JointType}
 """The types of joints by their words."""
+
+
+class Follower(NamedTuple):
+    """How a joint follows another one: its value is offset + multiplier x + higher[0] x² + … of the leader's value x.
+
+    Attributes:
+        leader: name of the joint that it follows; empty where the file names none.
+        multiplier: not a number where the file has none that can be read.
+        offset: [rad or m].
+        higher: factors of the square of the leader's value, its cube and so on; MJCF has them.
+    """
+
+    leader: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+    higher: tuple[float, ...] = ()
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all numbers are finite."""
+        return all(map(math.isfinite, (self.multiplier, self.offset, *self.higher)))
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the joint keeps one value, and follows none."""
+        return not self.leader and self.multiplier == 0.0 and self.is_finite
+
+    def value(self, leading: float) -> float:
+        """The value of the joint where the leader has the one given [rad or m]."""
+        powers = 0.0
+        for factor in reversed(self.higher):
+            powers = (powers + factor) * leading
+        return (self.multiplier + powers) * leading + self.offset
+
+    def behind(self, leader: Follower) -> Follower:
+        """The law by which the joint follows the leader of its leader; both laws are linear, or it is this one.
+
+        A law that holds its leader at one value holds the joint, too.
+        """
+        if self.higher or leader.higher:
+            return self
+        offset = self.offset + self.multiplier * leader.offset
+        return Follower(leader.leader, self.multiplier * leader.multiplier, offset)
+
+    def rate(self, leading: float) -> float:
+        """How fast the joint moves for each rad or m of the leader, at a value of that."""
+        powers = ((power + 2) * factor * leading ** (power + 1) for power, factor in enumerate(self.higher))
+        return self.multiplier + sum(powers)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

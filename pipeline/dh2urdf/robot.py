@@ -13,10 +13,10 @@ other robot; `Robot.arms` says besides of which arms it is composed, for emitter
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from dh2urdf.fields import Record, function_of, unchecked
-from dh2urdf.manipulator import Inertia, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Follower, Inertia, JointType, Limits, Manipulator
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3, total
 from dh2urdf.shapes import (
     Box,
@@ -35,6 +35,7 @@ from dh2urdf.source import Mark, Problem, free_name
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Iterable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -44,9 +45,11 @@ if TYPE_CHECKING:
 __all__ = [
     "WEIGHTLESS",
     "Arm",
+    "Attachment",
     "Box",
     "Collision",
     "Cylinder",
+    "Follower",
     "Formulas",
     "Geometry",
     "Inertial",
@@ -59,6 +62,8 @@ __all__ = [
     "Robot",
     "Sphere",
     "Visual",
+    "following",
+    "leader_of",
     "new_collision",
     "new_inertial",
     "new_joint",
@@ -66,7 +71,10 @@ __all__ = [
     "new_origin",
     "new_parameter",
     "new_visual",
+    "with_followers",
 ]
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,6 +126,7 @@ class Joint(Record):
         damping: viscous friction [N·m·s/rad or N·s/m].
         friction: static friction [N·m or N].
         armature: inertia of the rotor, behind the gear [kg·m² or kg].
+        follows: the joint whose value decides that of this one, and how; None where it moves by itself.
         mark: the row of the table that says it.
     """
 
@@ -131,6 +140,7 @@ class Joint(Record):
     damping: float | None = None
     friction: float | None = None
     armature: float | None = None
+    follows: Follower | None = None
     mark: Mark | None = field(default=None, compare=False)
 
 
@@ -153,6 +163,34 @@ class Arm(Record):
     placement: Origin
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attachment(Record):
+    """A robot from a description that is bolted to another one: a gripper, a tool, a camera, a base.
+
+    Attributes:
+        name: what it is called.
+        prefix: what stands before the names of its links, joints and materials in the whole robot.
+        parent: name of the link of the whole robot that holds it.
+        placement: the frame of its first link in the parent's.
+        robot: the robot as its own file describes it, the link that is held first.
+        elements: the elements of its file beside links, joints and materials, as XML; their names have no prefix.
+        tip: the link of it that is the tool of the whole robot, without the prefix; None where tool0 stays the tool.
+    """
+
+    name: str
+    prefix: str
+    parent: str
+    placement: Origin
+    robot: Robot
+    elements: tuple[str, ...] = ()
+    tip: str | None = None
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The names of its links and joints, without the prefix."""
+        return frozenset((*(link.name for link in self.robot.links), *(joint.name for joint in self.robot.joints)))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Robot(Record):
     """A tree of links and joints with one root.
@@ -165,6 +203,8 @@ class Robot(Record):
         comment: one line for a reader of the file: what made it, from what.
         notices: what a careful person would want to know about how it was made.
         arms: the arms of a cell, parents before children; empty for a robot that is one arm.
+        attachments: what is bolted to it; their links and joints are among its own, the last ones.
+        loaded: names of the joints whose effort follows from what they carry; of others, the table says it.
         manipulator: the table that it was made of; None for a cell, and where nobody knows it.
     """
 
@@ -175,6 +215,8 @@ class Robot(Record):
     comment: str = field(default="", compare=False)
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     arms: tuple[Arm, ...] = field(default=(), compare=False)
+    attachments: tuple[Attachment, ...] = field(default=(), compare=False)
+    loaded: tuple[str, ...] = field(default=(), compare=False)
     manipulator: Manipulator | None = field(default=None, compare=False)
 
     @property
@@ -193,8 +235,26 @@ class Robot(Record):
 
     @property
     def moving_joints(self) -> tuple[Joint, ...]:
-        """The joints that have a joint value, in order."""
+        """The joints that move, in order: by themselves, or because they follow another one."""
         return tuple(joint for joint in self.joints if joint.type is not JointType.FIXED)
+
+    @property
+    def followers(self) -> dict[str, Follower]:
+        """The joints that follow another one, by name, and how."""
+        if not (given := {joint.name: joint.follows for joint in self.joints if joint.follows}):
+            return {}
+        return following(given, [joint.name for joint in self.moving_joints])
+
+    @property
+    def actuated_joints(self) -> tuple[Joint, ...]:
+        """The joints that move by themselves, in order: a joint vector has a value for each."""
+        followers = self.followers
+        return tuple(joint for joint in self.moving_joints if joint.name not in followers)
+
+    @property
+    def foreign_names(self) -> frozenset[str]:
+        """The names of the links and joints of its attachments."""
+        return frozenset(each.prefix + name for each in self.attachments for name in each.names)
 
     @property
     def mass(self) -> float:
@@ -205,8 +265,9 @@ class Robot(Record):
         """Forward kinematics of a link at one joint vector or at many.
 
         Args:
-            q: joint vectors of shape (..., n), one value per moving joint on the way from the root to the link
-                [rad or m]; or a mapping from the names of these joints, and of any other moving ones, to their values.
+            q: joint vectors of shape (..., n), one value per actuated joint that moves the link, in the order of the
+                way from the root [rad or m]; or a mapping from the names of these joints, and of any other actuated
+                ones, to their values.
             tip: name of the link; in a cell the tool0 of an arm has the arm's prefix.
 
         Returns:
@@ -223,8 +284,8 @@ class Robot(Record):
         """The frame of every link at one joint vector or at many.
 
         Args:
-            q: joint vectors of shape (..., n), one value per moving joint of the robot [rad or m]; or a mapping from
-                the names of all moving joints to their values.
+            q: joint vectors of shape (..., n), one value per actuated joint of the robot [rad or m]; or a mapping from
+                the names of all of them to their values.
 
         Returns:
             By the name of the link T(root → link) of shape (..., 4, 4), lengths in m.
@@ -244,7 +305,7 @@ class Robot(Record):
             tip: name of the link.
 
         Returns:
-            Matrices of shape (..., 6, n), a column for each moving joint on the way from the root to the link.
+            Matrices of shape (..., 6, n), a column for each actuated joint that moves the link.
 
         Raises:
             RecordError: as of `fk`.
@@ -286,6 +347,55 @@ class Robot(Record):
     def _repr_html_(self) -> str:
         """What a notebook shows: the joints with their limits and, with matplotlib, a drawing of the robot."""
         return function_of("report.notebook.robot_html")(self)
+
+
+def following(followers: Mapping[str, Follower], joints: Iterable[str]) -> dict[str, Follower]:
+    """The followers that can follow: what they lead back to is one of some moving joints, which follows none.
+
+    A joint that keeps one value follows without a leader.
+
+    Args:
+        followers: the joints that follow another one, by name.
+        joints: the names of the moving joints.
+    """
+    moving = set(joints)
+    found: dict[str, Follower] = {}
+    for name in moving & followers.keys():
+        way = [name]
+        while (follower := followers.get(way[-1])) and follower.is_finite and follower.leader in moving - set(way):
+            way.append(follower.leader)
+        if follower is None or follower.is_held:
+            found[name] = followers[name]
+    return found
+
+
+def leader_of(joint: str, followers: Mapping[str, Follower]) -> str:
+    """Name of the joint that decides the value of another one: itself, or what it follows; empty where it is held."""
+    while follower := followers.get(joint):
+        joint = follower.leader
+    return joint
+
+
+def with_followers(values: Mapping[str, V], followers: Mapping[str, Follower]) -> dict[str, V | float]:
+    """The values of joints, and of the joints that follow them.
+
+    Args:
+        values: by the name of the joint [rad or m], each a float or an array; a tuple, such as an orientation, is
+            passed on as it is.
+        followers: joints that can follow, by name: those of `following`. What is in `values` of them does not count.
+    """
+    every: dict[str, V | float] = {name: value for name, value in values.items() if name not in followers}
+    for name in followers:
+        way = [name]
+        while way[-1] and way[-1] not in every:
+            way.append(followers[way[-1]].leader)
+        leader = way.pop()
+        value: V | float = every[leader] if leader else 0.0
+        for each in reversed(way):
+            if not isinstance(value, tuple):
+                value = followers[each].value(value)  # type: ignore[arg-type]  # a number or an array
+            every[each] = value
+    return every
 
 
 # Constructors without checks, for stages that have computed the values: see `dh2urdf.fields.unchecked`.

@@ -37,10 +37,11 @@ def dh2urdf_transforms() -> Iterable[Transform[Any]]:
 
 @hookimpl
 def dh2urdf_edits() -> Iterable[Edit[Any]]:
-    """Changes of the table: calibrations, limits, masses, payloads, names and values; and frames on the robot."""
-    from dh2urdf_plugins.edits import calibrate, limits, masses, mount, payload, rename, values
+    """Changes of the table: calibrations, limits, masses, payloads, names, values; and what is bolted to the robot."""
+    from dh2urdf_plugins.edits import attach, calibrate, limits, masses, mount, payload, rename, values
 
-    return (calibrate.EDIT, limits.EDIT, masses.EDIT, mount.EDIT, payload.EDIT, rename.EDIT, values.EDIT)
+    edits = (attach, calibrate, limits, masses, mount, payload, rename, values)
+    return tuple(each.EDIT for each in edits)
 
 
 @hookimpl

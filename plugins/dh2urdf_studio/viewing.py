@@ -16,13 +16,13 @@ from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import a_record, blaming, default_call
-from dh2urdf.robot import Robot
+from dh2urdf.robot import Robot, following, with_followers
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, StageCall, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.source import Mark, Messages, Problem, listed, shown
 from dh2urdf.stages import Expansion, ReadsBack, ReadsForeign, Rejected
-from dh2urdf.stages.foreign_robot import ForeignRobot, following, with_followers
+from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf.tasks.batch import Expected, items
 from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.parts import GREY

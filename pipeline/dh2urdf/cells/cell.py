@@ -11,6 +11,7 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from dh2urdf.cells.attachments import prefixed_joint, prefixed_link
 from dh2urdf.columns import ManipulatorGroups, RowField
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
@@ -18,7 +19,7 @@ from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
 from dh2urdf.quantities import Dimension
-from dh2urdf.robot import WEIGHTLESS, Arm, Collision, Joint, Link, Origin, Robot, Visual
+from dh2urdf.robot import WEIGHTLESS, Arm, Attachment, Collision, Joint, Link, Origin, Robot, Visual
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
@@ -203,14 +204,16 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
         RobotError: an arm stands on a link that there is not, or two arms have a name in common.
     """
     arms = tuple(_arms(cell, robots))
-    links, joints = [Link(name=WORLD)], []
+    links, joints, attachments = [Link(name=WORLD)], list[Joint](), list[Attachment]()
     for arm in arms:
         kind, prefix = arm.kind, arm.prefix
         name, root = prefix + kind.mounting, prefix + kind.root
         joints.append(Joint(name=name, type=JointType.FIXED, parent=arm.parent, child=root, origin=arm.placement))
-        for joint in kind.joints:
-            names = {name: prefix + getattr(joint, name) for name in ("name", "parent", "child")}
-            joints.append(replace(joint, **names, origin=_in_numbers(joint.origin)))
+        joints += [prefixed_joint(replace(joint, origin=_in_numbers(joint.origin)), prefix) for joint in kind.joints]
+        attachments += [
+            replace(each, name=f"{arm.name}_{each.name}", prefix=prefix + each.prefix, parent=prefix + each.parent)
+            for each in kind.attachments
+        ]
         # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
         first, *others = kind.links
         first = first if first.inertial else replace(first, inertial=WEIGHTLESS)
@@ -221,6 +224,8 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
         joints=tuple(joints),
         comment=f"{cell.name}: a cell of {', '.join(f'{arm.name} ({arm.kind.name})' for arm in arms)}, made by dh2urdf",
         arms=arms,
+        attachments=tuple(attachments),
+        loaded=tuple([arm.prefix + name for arm in arms for name in arm.kind.loaded]),
     )
 
 
@@ -262,12 +267,8 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
 
 
 def _placed_link(link: Link, prefix: str) -> Link:
-    visuals = [
-        replace(shape, material=shape.material and replace(shape.material, name=prefix + shape.material.name))
-        for shape in map(_placed_shape, link.visuals)
-    ]
-    collisions = tuple(map(_placed_shape, link.collisions))
-    return replace(link, name=prefix + link.name, visuals=tuple(visuals), collisions=collisions)
+    visuals, collisions = tuple(map(_placed_shape, link.visuals)), tuple(map(_placed_shape, link.collisions))
+    return prefixed_link(replace(link, visuals=visuals, collisions=collisions), prefix)
 
 
 def _placed_shape(shape: S) -> S:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import EmitterError, InputError, ProofError, RecordError, TableError
+from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.manipulator import Manipulator
@@ -271,6 +272,7 @@ def emit_robot(
             with reading(path, final), blaming(call, "read_back"):
                 read = a_record(reads.read_back(path), Robot)
             proof = _proof(expected, robot, read, call, poses, recipe, at_once=at_once)
+            prove_attachments(robot, read)
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
 

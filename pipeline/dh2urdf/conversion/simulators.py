@@ -12,7 +12,8 @@ from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
-from dh2urdf.kinematics.chain import KinematicChain, as_matrices
+from dh2urdf.kinematics.attached import leaves, whole_vectors
+from dh2urdf.kinematics.chain import KinematicChain, as_matrices, link_poses
 from dh2urdf.kinematics.expected_poses import joint_vectors
 from dh2urdf.plugin_system.calls import Call, a_plain_name, a_record, blaming, depending_on
 from dh2urdf.source import Messages, shown
@@ -177,10 +178,14 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
         chain, keeps = KinematicChain.between(robot, expected.root, tip.link), recipe.keeps_kinematics
         found = (tip.pose(q) if keeps else chain.forward_kinematics(tip.values(q)) for q in poses)
         frames[tip.link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)
+    values = [*whole_vectors(robot, [dict(zip(expected.joints, q, strict=True)) for q in poses])]
+    for link in leaves(robot):
+        found = (link_poses(robot, q)[link] for q in values)
+        frames[link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)
     request = LoadRequest(
         path=path,
         robot=robot,
-        poses=poses,
+        poses=tuple(tuple(q[joint.name] for joint in robot.moving_joints) for q in values),
         expected=frames,
         mark=expected.mark,
         picture=picture if is_pictured else None,

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, rotation_about, values_of
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -240,8 +241,10 @@ def link_poses(robot: Robot, q: Mapping[str, float]) -> dict[str, RigidTransform
 
     Args:
         robot: the robot, its links and joints in any order.
-        q: values of moving joints by name [rad or m]; those that are missing are 0.
+        q: values of actuated joints by name [rad or m]; those that are missing are 0. Followers follow them.
     """
+    if followers := robot.followers:
+        q = with_followers({**dict.fromkeys([joint.name for joint in robot.actuated_joints], 0.0), **q}, followers)
     below: dict[str, list[Joint]] = {}
     for joint in robot.joints:
         below.setdefault(joint.parent, []).append(joint)

@@ -19,7 +19,7 @@ from dh2urdf.robot import Box, Cylinder, Inertial, Sphere, new_inertial
 from dh2urdf.rotations import ZERO, Condition, Vec3, add, is_column, multiply, rotate, subtract, where
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from dh2urdf.manipulator import Inertia
     from dh2urdf.robot import Geometry
@@ -29,11 +29,19 @@ Inertias: TypeAlias = Literal["keep", "repair", "recompute"]
 """What becomes of inertias that no body has, see `possible_inertia`."""
 GRAVITY = 9.81
 """Acceleration of gravity [m/s²]: of the loads of joints, and of the tests that simulators hold."""
+SAFETY = 2.0
+"""Effort of a joint for which nobody gives one over its worst static load."""
 _ROUNDING = 1e-12  # relative to the largest moment: a flat plate has A + B = C, and rounding may break it
 _SPARE = (
     1e-6  # relative to the largest moment: of 60 flat bodies in any pose, PyBullet empties 24 without, none with 1e-9
 )
 _SWEEPS = 30  # Jacobi's method converges quadratically; a 3x3 matrix needs about five
+
+
+def two_digits(number: float, to_whole: Callable[[float], int], nearly: float) -> float:
+    """A number with two significant digits, through text: 57 times 10**-1 would be 5.7 only by luck."""
+    exponent = math.floor(math.log10(number)) - 1
+    return float(f"{to_whole(number * 10.0**-exponent + nearly)}e{exponent}")
 
 
 def solid(geometry: Geometry, density: float) -> Inertial:

@@ -9,7 +9,7 @@ and turns it by z; a prismatic one moves it by z.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordTypeError, RecordValueError
 from dh2urdf.kinematics.chain import (
@@ -24,6 +24,7 @@ from dh2urdf.kinematics.chain import (
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.manipulator import ROOT, TOOL
+from dh2urdf.robot import leader_of, with_followers
 from dh2urdf.rotations import IDENTITY, cross, subtract
 from dh2urdf.source import Mark, Messages, shown
 
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
+    from dh2urdf.robot import Follower, Robot
     from dh2urdf.rotations import RigidTransform, Vec3
 
     Matrices = NDArray[np.float64]
@@ -107,7 +108,9 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
 
 def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
-    return _chain_pose(*_way_to(robot, tip, "Robot.fk()"), q)
+    way = _Way.to(robot, tip, "Robot.fk()")
+    values, shape = joint_values(q, way.names)
+    return _matrices(way.chain.forward_kinematics(way.moved(values)), shape, way.names.function)
 
 
 def _chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
@@ -118,28 +121,60 @@ def _chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  
 
 def robot_poses(robot: Robot, q: Any) -> dict[str, Matrices]:  # noqa: ANN401 - whatever is given
     """T(root → link) by link; see `Robot.fk_all`."""
-    moving = tuple(joint.name for joint in robot.moving_joints)
-    names = JointNames(moving, moving, whose=f"robot {shown(robot.name)}", function="Robot.fk_all()")
+    actuated = tuple(joint.name for joint in robot.actuated_joints)
+    names = JointNames(actuated, actuated, whose=f"robot {shown(robot.name)}", function="Robot.fk_all()")
     values, shape = joint_values(q, names)
-    poses = link_poses(robot, dict(zip(moving, values, strict=True)))
+    poses = link_poses(robot, dict(zip(actuated, values, strict=True)))
     return {link.name: _matrices(poses[link.name], shape, names.function) for link in robot.links}
 
 
 def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
-    chain, names = _way_to(robot, tip, "Robot.jacobian()")
-    values, shape = joint_values(q, names)
-    screws, end = screws_of_chain(chain, values)
-    return jacobian_of(screws, end.translation, shape, names.function)
+    way = _Way.to(robot, tip, "Robot.jacobian()")
+    values, shape = joint_values(q, way.names)
+    screws, end = screws_of_chain(way.chain, way.moved(values))
+    columns = jacobian_of(screws, end.translation, shape, way.names.function)
+    return way.led(columns, values) if way.followers else columns
 
 
-def _way_to(robot: Robot, tip: str, function: str) -> tuple[KinematicChain, JointNames]:
-    """The joints on the way from the root to a link; a mapping may name the other joints of the robot too."""
-    chain = KinematicChain.of(joints_between(robot, robot.root, tip))
-    moving = tuple(joint.name for joint in chain.moving)
-    known = tuple(joint.name for joint in robot.moving_joints if joint.name not in moving)
-    whose = f"the way of robot {shown(robot.name)} to {shown(tip)}"
-    return chain, JointNames(moving, moving, known, whose=whose, function=function)
+class _Way(NamedTuple):
+    """The joints on the way from the root to a link, and those that they follow."""
+
+    chain: KinematicChain
+    names: JointNames  # of the actuated joints; a mapping may name the others of the robot, too
+    followers: dict[str, Follower]
+
+    @classmethod
+    def to(cls, robot: Robot, tip: str, function: str) -> _Way:
+        chain, followers = KinematicChain.of(joints_between(robot, robot.root, tip)), robot.followers
+        moving = tuple(dict.fromkeys(filter(None, (leader_of(joint.name, followers) for joint in chain.moving))))
+        known = tuple(joint.name for joint in robot.actuated_joints if joint.name not in moving)
+        whose = f"the way of robot {shown(robot.name)} to {shown(tip)}"
+        return cls(chain, JointNames(moving, moving, known, whose=whose, function=function), followers)
+
+    def moved(self, values: Sequence[Any]) -> list[Any]:
+        """The values of the joints on the way [rad or m], from those of the actuated ones."""
+        if not self.followers:
+            return [*values]
+        every = self._every(values)
+        return [every[joint.name] for joint in self.chain.moving]
+
+    def led(self, columns: Matrices, values: Sequence[Any]) -> Matrices:
+        """The Jacobian for the actuated joints, from that for all: what follows a joint moves at its rate."""
+        import numpy as np
+
+        every, led = self._every(values), np.zeros((*columns.shape[:-1], len(values)))
+        for number, joint in enumerate(self.chain.moving):
+            name, rate = joint.name, np.ones(columns.shape[:-2])
+            while follower := self.followers.get(name):
+                name, rate = follower.leader, rate * follower.rate(every.get(follower.leader, 0.0))
+            if name:
+                led[..., self.names.moving.index(name)] += rate[..., None] * columns[..., number]
+        return led
+
+    def _every(self, values: Sequence[Any]) -> dict[str, Any]:
+        others = dict.fromkeys(self.names.known, 0.0)
+        return with_followers({**others, **dict(zip(self.names.moving, values, strict=True))}, self.followers)
 
 
 # --- Arrays

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.columns import replaced
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
+from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, values_of
@@ -203,6 +204,11 @@ def prove_columns(
     found: dict[int, Proof | ProofError] = {}
     expected = ExpectedPoses.of(tables.table)
     for places, described in written:
+        try:
+            prove_attachments(robots.robot, described, masses=False)
+        except ProofError as error:
+            found.update(dict.fromkeys(places, error))
+            continue
         try:
             joints = joints_to(expected, expected.tips[0], described)
         except ProofError:  # Of each of the group, with its own name.

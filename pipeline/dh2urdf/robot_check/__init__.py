@@ -53,10 +53,11 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     for joint in robot.joints:
         joint_to.setdefault(joint.child, joint)
     problems = [*_name_problems(robot, joint_to), *_tree_problems(robot, joint_to)]
+    foreign = robot.foreign_names
     for joint in robot.joints:
-        problems += _joint_problems(joint)
+        problems += _joint_problems(joint, is_foreign=joint.name in foreign)
     for link in robot.links:
-        problems += _body_problems(link, joint_to.get(link.name))
+        problems += _body_problems(link, joint_to.get(link.name), is_foreign=link.name in foreign)
         problems += _shape_problems(link, joint_to.get(link.name))
     problems += [*_weightless_chains(robot, joint_to), *_formula_problems(robot)]
     return tuple(problem.about(robot=robot.name) for problem in problems)
@@ -122,6 +123,7 @@ def _problem(joint: Joint | None, code: str, field: str | None = None, **about: 
 def _name_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem]:
     """Names are there, short enough, writable, and no two are the same: links and joints share one set."""
     owners: dict[str, str] = {}
+    foreign = robot.foreign_names
     named = [("link", link.name, joint_to.get(link.name)) for link in robot.links]
     named += [("joint", joint.name, joint) for joint in robot.joints]
     troublesome = []
@@ -133,6 +135,8 @@ def _name_problems(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem
         elif not (name.isascii() and name.isprintable()) and (culprit := re.search(_NOT_IN_NAMES, name)):
             number = ord(culprit.group())
             yield _problem(joint, "name-unwritable", kind, found=name, kind=kind, number=number)
+        elif name in foreign and owners.get(name) not in {None, kind}:
+            yield _problem(joint, "name-of-both", kind, found=name)
         elif name in owners:
             yield _problem(joint, "name-taken", kind, found=name, kind=kind, owner=owners[name])
         elif not (name.isascii() and name.replace("-", "_").isidentifier()) and re.search(_TROUBLESOME, name):
@@ -190,13 +194,17 @@ def _reached(robot: Robot, root: str) -> set[str]:
 # Joints.
 
 
-def _joint_problems(joint: Joint) -> Iterator[Problem]:
-    """Origin finite, axis of length 1, limits complete and in order, friction and armature not negative."""
+def _joint_problems(joint: Joint, *, is_foreign: bool) -> Iterator[Problem]:
+    """Origin finite, axis of length 1, limits complete and in order, friction and armature not negative.
+
+    The limits of a foreign joint are its maker's business.
+    """
     yield from _finite(joint, "origin", (*joint.origin.xyz, *joint.origin.rpy))
     length = norm(joint.axis)
     if joint.type is not JointType.FIXED and not abs(length - 1.0) <= UNIT:
         yield _problem(joint, "axis-not-unit", "axis", length=length)
-    yield from _limit_problems(joint)
+    if not is_foreign:
+        yield from _limit_problems(joint)
     for name in DYNAMICS:
         value = getattr(joint, name)
         if value is not None and not 0.0 <= value < math.inf:
@@ -224,8 +232,11 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
 # Links.
 
 
-def _body_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:
-    """A moving link is a body that can exist; only a frame, held by a fixed joint, may weigh nothing."""
+def _body_problems(link: Link, holder: Joint | None, *, is_foreign: bool) -> Iterator[Problem]:
+    """A moving link is a body that can exist; only a frame, held by a fixed joint, may weigh nothing.
+
+    Of an inertia that no body has, whoever attached a foreign link has said so.
+    """
     body = link.inertial
     if body is None or _weighs_nothing(body):
         if holder is not None and holder.type is not JointType.FIXED:
@@ -236,7 +247,7 @@ def _body_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:
     if not 0.0 < body.mass < math.inf:
         yield _problem(holder, "mass-not-above-0", "mass", found=f"{body.mass:.12g}", link=link.name)
     yield from _finite(holder, "com", body.com)
-    if broken := inertia_problem(body.inertia):
+    if not is_foreign and (broken := inertia_problem(body.inertia)):
         yield _problem(holder, "inertia-impossible", "inertia", link=link.name, reason=broken)
 
 

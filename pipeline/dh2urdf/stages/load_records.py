@@ -18,9 +18,10 @@ class LoadRequest:
     Attributes:
         path: the written file.
         robot: the robot that was written.
-        poses: joint vectors inside the limits, one value per moving joint; the robot is measured at each.
+        poses: joint vectors inside the limits, one value per moving joint, also those that follow others; the robot is
+            measured at each.
         expected: by the name of the link, tool0, T(root → tool0) at each of `poses`, as row-major 4x4 matrices of 16
-            numbers [m]; of a cell the tool0 of every arm.
+            numbers [m]; of a cell the tool0 of every arm; of what is attached, also the links that hold no other.
         mark: the robot's place in its file: a table, or a run file where it is a cell.
         picture: where to write a picture of the robot, or None.
     """

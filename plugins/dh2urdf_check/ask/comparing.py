@@ -10,9 +10,8 @@ from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import pose_error, written_joint
-from dh2urdf.robot import Mesh
+from dh2urdf.robot import Mesh, following, with_followers
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.stages.foreign_robot import following, with_followers
 from dh2urdf_plugins.loaders.measures import carriers, edges, lumped_bodies
 
 if TYPE_CHECKING:

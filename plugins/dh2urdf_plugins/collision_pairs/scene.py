@@ -23,10 +23,9 @@ import numpy as np  # noqa: TID253 - pinocchio, which moves the shapes, imports 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
-from dh2urdf.robot import Box, Cylinder, Mesh, Robot, Sphere
+from dh2urdf.robot import Box, Cylinder, Follower, Mesh, Robot, Sphere, following, with_followers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Messages
-from dh2urdf.stages.foreign_robot import Follower, following, with_followers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -6,7 +6,7 @@ import tomllib
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import comb, nan, pi
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -14,20 +14,19 @@ from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import ProofError, TableError
-from dh2urdf.robot import Link, Robot
-from dh2urdf.rotations import total
+from dh2urdf.robot import Follower, Link, Robot
 from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
-from dh2urdf.stages.foreign_robot import Follower, ForeignRobot
+from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_plugins.formats.mjcf import reader as mjcf_reader
 from dh2urdf_plugins.formats.mjcf.elements import Elements, compiler_of
 from dh2urdf_plugins.formats.sdf import reader as sdf_reader
 from dh2urdf_plugins.formats.sdf.elements import is_true
 from dh2urdf_plugins.formats.urdf import reader as urdf_reader
-from dh2urdf_plugins.formats.xml_files import LARGEST, Unread, mark_of, tree_of
+from dh2urdf_plugins.formats.xml_files import LARGEST, Unread, mark_of, number_of, tree_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.formats.xml_files import Model
@@ -63,6 +62,7 @@ class Description:
     left_out: list[Problem] = field(default_factory=list)  # what neither the robot nor a table has a place for
     doubly: set[str] = field(default_factory=set)  # links that are held besides the joints, which closes a loop
     faulty: dict[str, Unread] = field(default_factory=dict)  # joints that could not be read, by name
+    elements: tuple[str, ...] = ()  # of a URDF what is beside links, joints and materials, as XML
 
     def take(self, model: Model) -> Robot:
         """The robot of a model, what it lacks besides, and notices of what could not be read."""
@@ -70,6 +70,7 @@ class Description:
         self.faulty |= model.faulty
         self.doubly |= set(model.doubly)
         self.notices += _notices(model.unread)
+        self.followers |= {joint.name: joint.follows for joint in model.robot.joints if joint.follows}
         return model.robot
 
 
@@ -113,8 +114,9 @@ def foreign_robot(form: str, path: Path, expansion: Expansion | None = None) -> 
     Floating and planar joints are fixed, a URDF needs no name, and a colour that is defined nowhere is none.
     """
     found = describe(form, path, expansion, colours=True)
-    parts = {name: getattr(found, name) for name in ("robot", "followers", "loose", "folder")}
-    return ForeignRobot(**parts, notices=tuple(found.notices))
+    parts = {name: getattr(found, name) for name in ("robot", "followers", "loose", "folder", "elements")}
+    faults = tuple([each.fault for each in found.faulty.values() if each.fault])
+    return ForeignRobot(**parts, notices=tuple(found.notices), faults=faults)
 
 
 def _notices(unread: Iterable[Unread]) -> list[Problem]:
@@ -144,21 +146,13 @@ def _left_out(form: str, root: etree._Element, file: str) -> list[Problem]:
     return _notices(found)
 
 
-def _number(text: str) -> float:
-    """A number of a file; one that cannot be read is not a number."""
-    try:
-        return float(text)
-    except ValueError:
-        return nan
-
-
 def part_of_pi(text: str) -> tuple[float, str] | None:
     """The multiple of π/4 that a number of 3 to 14 decimals is, rounded or cut to its last digit, and its word.
 
     With fewer decimals it may be any angle, with more it is what a double holds.
     """
     places = len(text.partition(".")[2])
-    number = _number(text)
+    number = number_of(text)
     quarters = round(abs(number) * 4 / pi) if abs(number) < 7 else 0  # noqa: PLR2004 - 2π and a little
     if not 3 <= places <= 14 or not text[-1:].isdecimal() or "e" in text.lower() or not 1 <= quarters <= 8:  # noqa: PLR2004
         return None
@@ -196,12 +190,10 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
     found.left_out += _left_out("urdf", root, file)
+    others = [each for each in root.iterchildren(etree.Element) if each.tag not in {"link", "joint", "material"}]
+    found.elements = tuple([etree.tostring(each, encoding="unicode", with_tail=False) for each in others])
     for joint in root.iterchildren("joint"):
-        name = joint.get("name", "")
-        if (mimic := joint.find("mimic")) is not None:
-            multiplier, offset = _number(mimic.get("multiplier", "1")), _number(mimic.get("offset", "0"))
-            found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset)
-        axis = joint.find("axis")
+        name, axis = joint.get("name", ""), joint.find("axis")
         if axis is not None and axis.get("xyz") is None and joint.get("type") != "fixed":
             found.notices.append(say("axis-without-xyz", mark_of(axis, file), name=name))
     defined = {each.get("name") for each in root.iter("material") if len(each)} if colours else set()
@@ -215,11 +207,6 @@ def _read_sdf(root: etree._Element, file: str, found: Description) -> Robot:
     model = sdf_reader.model_of(root, file)
     of = next((each for path in ("model", "world/model") for each in root.iterfind(path)), root)
     found.left_out += _left_out("sdf", of, file)
-    for name, mimic in model.mimics.items():
-        # Multiplier · (value of the leader - reference) + offset: http://sdformat.org/spec?ver=1.11&elem=joint
-        multiplier = _number(mimic.findtext("multiplier", "1"))
-        offset, reference = (_number(mimic.findtext(tag, "0")) for tag in ("offset", "reference"))
-        found.followers[name] = Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
     return found.take(model)
 
 
@@ -234,9 +221,6 @@ def _read_mjcf(root: etree._Element, file: str, found: Description) -> Robot:
     model = mjcf_reader.model_of(root, file)
     robot = found.take(model)
     elements = Elements(root, file)
-    for joint in root.iterfind("equality/joint"):
-        if elements.is_active(joint):
-            found.followers[joint.get("joint1", "")] = _mjcf_follower(joint, model.references)
     springs = []
     for joint in root.iterfind("worldbody//joint"):
         given = elements.attributes(joint)
@@ -273,20 +257,3 @@ def _efforts(elements: Elements) -> dict[str, float]:
             effort = abs(gear) * min(max(map(abs, limits)) for limits in ranges if limits)
         driven.setdefault(joint, []).append(effort)
     return {joint: found[0] for joint, found in driven.items() if len(found) == 1 and found[0]}
-
-
-def _mjcf_follower(joint: etree._Element, places: Mapping[str, float]) -> Follower:
-    """How a joint of an MJCF follows another: a polynomial of the distance from the reference values of both.
-
-    https://mujoco.readthedocs.io/en/stable/XMLreference.html#equality-joint
-    """
-    leader = joint.get("joint2", "")
-    factors = [*map(_number, joint.get("polycoef", "0 1 0 0 0").split()), *[0.0] * 5][:5]
-    own, reference = places.get(joint.get("joint1", ""), 0.0), places.get(leader, 0.0)
-    # The same polynomial of the leader's value, by the binomial theorem: Σ c_k (x - r)^k.
-    constant, multiplier, *higher = (
-        total(factors[k] * comb(k, n) * (-reference) ** (k - n) for k in range(n, 5) if factors[k]) for n in range(5)
-    )
-    if not leader:  # It keeps the value that it has where every joint has its reference value.
-        constant, multiplier, higher = factors[0], 0.0, []
-    return Follower(leader, multiplier, own + constant, tuple(higher) if any(higher) else ())

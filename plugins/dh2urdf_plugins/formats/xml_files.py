@@ -267,6 +267,14 @@ class FileElements:
         return {"limits": limits, **found}
 
 
+def number_of(text: str) -> float:
+    """A number of a file; one that cannot be read is not a number."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
 class Model(NamedTuple):
     """What is in a description; joints that no table has, and those that could not be read, are fixed in the robot."""
 
@@ -275,8 +283,6 @@ class Model(NamedTuple):
     unread: Sequence[Unread]
     faulty: Mapping[str, Unread] = MappingProxyType({})  # what is wrong with the latter, by name
     doubly: Collection[str] = ()  # links that are held by more than one joint, which closes a loop
-    mimics: Mapping[str, etree._Element] = MappingProxyType({})  # by joint of an SDF, how it follows another one
-    references: Mapping[str, float] = MappingProxyType({})  # of the joints of an MJCF that move, by name [rad or m]
 
     def whole(self, accepted: str = ACCEPTED) -> Robot:
         """The robot, of which nothing was left out; tables and the format have the accepted types of joints."""

@@ -12,7 +12,7 @@ from dh2urdf.errors import LoaderError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.mass import GRAVITY, compound, placed
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Box, Cylinder, Inertial, Sphere
+from dh2urdf.robot import Box, Cylinder, Inertial, Sphere, with_followers
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, Rotation, Vec3, add, rotate, scale, subtract
 from dh2urdf.source import Messages, Problem, listed, shown
 from dh2urdf_plugins.base_bodies import STILL, is_weightless_base
@@ -50,7 +50,8 @@ def clipped(joint: Joint, value: float) -> float:
 
 def hold_start(robot: Robot) -> tuple[float, ...]:
     """The joint vector of the hold test: q = 0, clipped into the limits, which not every arm has around 0."""
-    return tuple(clipped(joint, 0.0) for joint in robot.moving_joints)
+    start = with_followers({joint.name: clipped(joint, 0.0) for joint in robot.actuated_joints}, robot.followers)
+    return tuple(start[joint.name] for joint in robot.moving_joints)
 
 
 def vector(array: Any) -> Vec3:  # noqa: ANN401 - an array of shape (3,)

@@ -277,7 +277,7 @@ def _follow(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any]
     import numpy as np
 
     mujoco, model = held.mujoco, held.model
-    data, joints = mujoco.MjData(model), [joint for joint in comparison.robot.moving_joints if joint.limits.effort]
+    data, joints = mujoco.MjData(model), [joint for joint in comparison.robot.actuated_joints if joint.limits.effort]
     places = _addresses(model, joints)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     start = data.qpos[places]

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import reduce
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TransformError
-from dh2urdf.kinematics.mass import GRAVITY, compound, placed, rotated, scaled, solid
+from dh2urdf.kinematics.mass import GRAVITY, SAFETY, compound, placed, rotated, scaled, solid, two_digits
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, new_limits
 from dh2urdf.robot import (
     WEIGHTLESS,
@@ -40,7 +40,7 @@ from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
 from dh2urdf_plugins.transforms.shapes import SMALLEST
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.rotations import Number
@@ -85,15 +85,9 @@ def half_travel(rows: Sequence[DHRow]) -> Number:
     lengths = [abs(row.d + row.offset) if row.type is JointType.PRISMATIC else abs(row.d) for row in rows]
 
     def half(longest: float) -> float:
-        return _two_digits(0.5 * longest, math.floor, 1e-9) if SMALLEST < longest < math.inf else 1.0
+        return two_digits(0.5 * longest, math.floor, 1e-9) if SMALLEST < longest < math.inf else 1.0
 
     return mapped(half, reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)]))
-
-
-def _two_digits(number: float, to_whole: Callable[[float], int], nearly: float) -> float:
-    """A number with two significant digits, through text: 57 times 10**-1 would be 5.7 only by luck."""
-    exponent = math.floor(math.log10(number)) - 1
-    return float(f"{to_whole(number * 10.0**-exponent + nearly)}e{exponent}")
 
 
 def travel(joint_type: JointType, limits: Limits) -> float:
@@ -102,10 +96,6 @@ def travel(joint_type: JointType, limits: Limits) -> float:
         return 0.0
     farthest: float = greater_of(abs(limits.lower), abs(limits.upper))
     return farthest
-
-
-SAFETY = 2.0
-"""Default effort over the worst static load."""
 
 
 class Part(NamedTuple):
@@ -180,7 +170,7 @@ def assemble(
     joints = [fixed_joint(ROOT, BASE, base.origin)]
     for number, (part, body) in enumerate(zip(parts, bodies, strict=True)):
         row, limits = part.row, part.limits
-        dynamics: dict[str, float | None] = {}  # what the row says, else the run
+        dynamics: dict[str, Any] = {}  # what the row says, else the run
         if row.type is not JointType.FIXED:
             limits = limits if limits.effort is not None else replace(limits, effort=efforts[number])
             given = {name: getattr(row, name) for name in DYNAMICS}
@@ -209,7 +199,12 @@ def assemble(
         joints.append(fixed_joint(carrier, PAYLOAD, tool0))
         links.append(new_link(name=PAYLOAD, inertial=payload))
     return Robot(
-        name=manipulator.name, links=tuple(links), joints=tuple(joints), parameters=parameters, comment=comment
+        name=manipulator.name,
+        links=tuple(links),
+        joints=tuple(joints),
+        parameters=parameters,
+        comment=comment,
+        loaded=tuple([row.joint for row in manipulator.moving_rows if row.limits.effort is None]),
     )
 
 
@@ -295,7 +290,7 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
     """
 
     def rounded_up(needed: float) -> float:
-        return _two_digits(needed, math.ceil, -1e-9) if LEAST_EFFORT < needed < math.inf else max(LEAST_EFFORT, needed)
+        return two_digits(needed, math.ceil, -1e-9) if LEAST_EFFORT < needed < math.inf else max(LEAST_EFFORT, needed)
 
     efforts = []
     weight = moment = 0.0  # of all links further out, moment about the joint that carries them

@@ -16,8 +16,7 @@ from dh2urdf_studio.drawing.mesh_files import DrawnMesh
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from dh2urdf.robot import Joint, Link, Robot
-    from dh2urdf.stages.foreign_robot import Follower
+    from dh2urdf.robot import Follower, Joint, Link, Robot
 
 Colour: TypeAlias = tuple[float, float, float]  # red, green, blue in 0..1
 

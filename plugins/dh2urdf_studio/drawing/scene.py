@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.chain import dh_frames, link_poses
 from dh2urdf.manipulator import FLANGE, TOOL, WORLD, JointType, Manipulator
-from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
+from dh2urdf.robot import Box, Cylinder, Follower, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem
-from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.drawing.mesh_files import SUFFIXES, DrawnMesh
 from dh2urdf_studio.drawing.parts import (

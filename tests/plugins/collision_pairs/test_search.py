@@ -12,8 +12,7 @@ import pytest
 import dh2urdf
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import JointType, Limits
-from dh2urdf.robot import Box, Collision, Joint, Link, Mesh, Origin, Robot, Sphere
-from dh2urdf.stages.foreign_robot import Follower
+from dh2urdf.robot import Box, Collision, Follower, Joint, Link, Mesh, Origin, Robot, Sphere
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 from dh2urdf_plugins.collision_pairs.scene import Mechanism
 from dh2urdf_plugins.collision_pairs.search import collision_pairs, robot_pairs

@@ -9,7 +9,7 @@ import pytest
 
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.stages.foreign_robot import Follower, following, with_followers
+from dh2urdf.robot import Follower, following, with_followers
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
 GRIPPER, SHAPES, IN_SDF, FOLLOWING = (

@@ -13,9 +13,8 @@ import trimesh
 from dh2urdf.kinematics import joint_variables
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, Inertia, JointType, Limits
-from dh2urdf.robot import Box, Collision, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
+from dh2urdf.robot import Box, Collision, Follower, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.stages.foreign_robot import Follower
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio.drawing.parts import APART, PAPER, Grip
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure

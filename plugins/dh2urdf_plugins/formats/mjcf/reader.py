@@ -14,7 +14,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 from functools import partial
+from math import comb
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,7 +25,7 @@ from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.kinematics.mass import compound, placed, rotated, scaled, solid
 from dh2urdf.manipulator import WORLD, Inertia, JointType
-from dh2urdf.robot import Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
+from dh2urdf.robot import Collision, Cylinder, Follower, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -35,6 +37,7 @@ from dh2urdf.rotations import (
     rotate,
     rotation_from_quaternion,
     scale,
+    total,
     transpose,
 )
 from dh2urdf.source import Messages, shown
@@ -45,6 +48,7 @@ from dh2urdf_plugins.formats.xml_files import (
     Placed,
     fixed,
     mark_of,
+    number_of,
     parts_of,
     read_file,
     tree_of,
@@ -168,8 +172,31 @@ class _Reader(Elements):
         for name in sorted(_CHANGING_MASSES & self.compiler.keys()):
             self.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
         doubly = {names[body] for body in self._looped(worlds)}
+        followers = {
+            joint.get("joint1", ""): self._follower(joint)
+            for joint in root.iterfind("equality/joint")
+            if self.is_active(joint)
+        }
+        joints = [replace(each, follows=followers.get(each.name)) for each in joints] if followers else joints
         robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
-        return Model(robot, self.loose, self.unread, self.faulty, doubly, references=self._references)
+        return Model(robot, self.loose, self.unread, self.faulty, doubly)
+
+    def _follower(self, joint: etree._Element) -> Follower:
+        """How a joint follows another: a polynomial of the distance from the reference values of both.
+
+        https://mujoco.readthedocs.io/en/stable/XMLreference.html#equality-joint
+        """
+        leader = joint.get("joint2", "")
+        factors = [*map(number_of, joint.get("polycoef", "0 1 0 0 0").split()), *[0.0] * 5][:5]
+        own, reference = (self._references.get(name, 0.0) for name in (joint.get("joint1", ""), leader))
+        # The same polynomial of the leader's value, by the binomial theorem: Σ c_k (x - r)^k.
+        constant, multiplier, *higher = (
+            total(factors[k] * comb(k, n) * (-reference) ** (k - n) for k in range(n, 5) if factors[k])
+            for n in range(5)
+        )
+        if not leader:  # It keeps the value that it has where every joint has its reference value.
+            constant, multiplier, higher = factors[0], 0.0, []
+        return Follower(leader, multiplier, own + constant, tuple(higher) if any(higher) else ())
 
     def _looped(self, worlds: Sequence[etree._Element]) -> Iterator[etree._Element]:
         """The bodies with which constraints close loops: those of one tree, and not what a mouse drags (mocap)."""

@@ -50,7 +50,7 @@ def servos(robot: Robot) -> dict[str, Servo]:
     """The servo of every joint that has an effort, by the joint's name."""
     inertias, weights = _loads(robot)
     found = {}
-    for joint in robot.moving_joints:
+    for joint in robot.actuated_joints:
         if not joint.limits.effort:
             continue
         unit = _unit(joint)
@@ -82,8 +82,8 @@ def _loads(robot: Robot) -> tuple[dict[str, float], dict[str, float]]:
     A link of mass m and largest moment of inertia I adds to the element (j, k) of M at most m·r_j·r_k + I, where r_j is
     the length of the way from joint j to the link's centre of mass. Where j slides, r_j is 1, and there is no I.
     """
-    inertia = {joint.name: 0.0 for joint in robot.moving_joints}
-    weight = dict(inertia)
+    inertia = {joint.name: 0.0 for joint in robot.actuated_joints}
+    weight, followers = dict(inertia), robot.followers
     into = {joint.child: joint for joint in robot.joints}
     ways: dict[str, list[tuple[Joint, float]]] = {}  # of every link: the joints that move it, and how far they are
     for link in robot.links:  # Parents before children.
@@ -103,8 +103,12 @@ def _loads(robot: Robot) -> tuple[dict[str, float], dict[str, float]]:
         reaches = total(_unit(each) * lever for each, lever, _ in levers)
         turning = sum(each.type is not JointType.PRISMATIC for each, _, _ in levers)
         for each, lever, turns in levers:
-            weight[each.name] += GRAVITY * mass * lever
-            inertia[each.name] += mass * lever * reaches / _unit(each) + turns * turning
+            name, rate = each.name, 1.0  # Whoever leads a joint bears what it moves.
+            while follower := followers.get(name):
+                name, rate = follower.leader, rate * abs(follower.multiplier)
+            if name:
+                weight[name] += rate * GRAVITY * mass * lever
+                inertia[name] += rate * (mass * lever * reaches / _unit(each) + turns * turning)
     return inertia, weight
 
 

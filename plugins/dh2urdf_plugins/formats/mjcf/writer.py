@@ -14,7 +14,7 @@ from lxml import etree
 from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
-from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual
+from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual, leader_of, with_followers
 from dh2urdf.rotations import ZERO
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
@@ -80,6 +80,7 @@ class _Model:
             etree.SubElement(assets, "mesh", {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale)})
         root.append(world)
         self._append_excludes(root)
+        self._append_followers(root)
         if self._actuators != "none":
             self._append_actuators(root)
         self._append_home(root, world)
@@ -195,12 +196,27 @@ class _Model:
             seconds = dict.fromkeys([joint.child, *solid.get(joint.child, ())])
             yield from ((first, second) for first in firsts for second in seconds if first != WORLD)
 
+    def _append_followers(self, root: etree._Element) -> None:
+        """Appends a constraint for every joint that follows another one, and names the joint that leads both."""
+        followers = self._robot.followers
+        equality = etree.SubElement(root, "equality") if followers else root
+        for name, follower in followers.items():
+            law = follower
+            while (leader := followers.get(law.leader)) and (whole := law.behind(leader)) is not law:
+                law = whole
+            numbers = (law.offset, law.multiplier, *law.higher, 0.0, 0.0, 0.0)[:5]
+            joints = {"joint1": self._notation.name(name)}
+            joints |= {"joint2": self._notation.name(law.leader)} if law.leader else {}
+            etree.SubElement(equality, "joint", {**joints, "polycoef": self._notation.numbers(numbers)})
+
     def _append_actuators(self, root: etree._Element) -> None:
-        """Appends a motor or a servo for every joint that has an effort, with the joint's name and its effort as limit.
+        """Appends a motor or a servo for every joint that has an effort and follows no other, with the joint's name.
+
+        The effort is its limit.
 
         The target of a servo stays inside the joint's limits.
         """
-        joints = [joint for joint in self._robot.moving_joints if joint.limits.effort]
+        joints = [joint for joint in self._robot.actuated_joints if joint.limits.effort]
         actuators = etree.SubElement(root, "actuator") if joints else root
         for joint in joints:
             name, effort = self._notation.name(joint.name), joint.limits.effort or 0.0
@@ -216,7 +232,9 @@ class _Model:
 
     def _append_home(self, root: etree._Element, world: etree._Element) -> None:
         """Appends the pose in which the arm starts; the order of its numbers is that of joints and of actuators."""
-        home = {self._notation.name(joint.name): initial_position(joint) for joint in self._robot.moving_joints}
+        start = {joint.name: initial_position(joint) for joint in self._robot.actuated_joints}
+        values = with_followers(start, self._robot.followers)
+        home = {self._notation.name(name): value for name, value in values.items()}
         if not home:
             return
         numbers = {"qpos": [home[joint.get("name", "")] for joint in world.iter("joint")]}
@@ -228,10 +246,10 @@ class _Model:
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:
     """The links whose weight the servos carry: those that move, and that no joint without a servo lets fall."""
-    moved, limp = set[str](), set[str]()
+    moved, limp, followers = set[str](), set[str](), robot.followers
     for joint in robot.joints:  # Parents before children.
         moves = joint.type is not JointType.FIXED
-        if joint.parent in limp or (moves and joint.name not in servos):
+        if joint.parent in limp or (moves and leader_of(joint.name, followers) not in servos):
             limp.add(joint.child)
         elif moves or joint.parent in moved:
             moved.add(joint.child)

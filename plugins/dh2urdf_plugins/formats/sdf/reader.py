@@ -21,7 +21,7 @@ from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType
-from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot
+from dh2urdf.robot import Follower, Inertial, Joint, Link, Material, Origin, Robot
 from dh2urdf.rotations import IDENTITY, IDENTITY_ROTATION, Z_AXIS, RigidTransform, rotate
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf_plugins.formats.sdf.elements import (
@@ -33,7 +33,7 @@ from dh2urdf_plugins.formats.sdf.elements import (
     leave_out_attached,
     modernise,
 )
-from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, read_file, written_tree_of
+from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, number_of, read_file, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -113,9 +113,7 @@ class _Reader(SdfElements):
             links.append(self._link(element) if element.tag == "link" else Link(name=self.name(element)))
             joints += held
         robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
-        found = {self.name(joint): joint.find("axis/mimic") for joint in self._model.iterchildren("joint")}
-        mimics = {name: mimic for name, mimic in found.items() if mimic is not None}
-        return Model(robot, self.loose, self.unread, self.faulty, self._doubly, mimics=mimics)
+        return Model(robot, self.loose, self.unread, self.faulty, self._doubly)
 
     # Frames
 
@@ -163,7 +161,7 @@ class _Reader(SdfElements):
             xyz = element.find("axis/xyz")
             if xyz is not None and (frame := xyz.get("expressed_in")):
                 axis = rotate(self._places.between(self._places.key(element), frame).rotation, axis)
-        return {"type": kind, "origin": origin, "axis": axis, **numbers}
+        return {"type": kind, "origin": origin, "axis": axis, "follows": _follower(element), **numbers}
 
     def _number(self, field: str, joint: etree._Element) -> float | None:
         """A number; None where there is no word of it, an endless limit, or the −1 of an endless effort or speed."""
@@ -221,3 +219,18 @@ class _Reader(SdfElements):
 
 def _type(joint: etree._Element) -> str:
     return joint.get("type", "").lower()
+
+
+def _follower(joint: etree._Element) -> Follower | None:
+    """How a joint follows another one, by SDF (http://sdformat.org/spec?ver=1.11&elem=joint) or by Drake's word for it.
+
+    SDF: multiplier · (value of the leader − reference) + offset. Drake: multiplier · value of the leader + offset.
+    """
+    if (mimic := joint.find("axis/mimic")) is not None:
+        multiplier = number_of(mimic.findtext("multiplier", "1"))
+        offset, reference = (number_of(mimic.findtext(tag, "0")) for tag in ("offset", "reference"))
+        return Follower(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
+    if (mimic := joint.find("{*}mimic")) is None:
+        return None
+    multiplier, offset = number_of(mimic.get("multiplier", "1")), number_of(mimic.get("offset", "0"))
+    return Follower(mimic.get("joint", ""), multiplier, offset)

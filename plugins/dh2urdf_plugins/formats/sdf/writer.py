@@ -20,11 +20,13 @@ from dh2urdf_plugins.base_bodies import with_base_bodies
 from dh2urdf_plugins.formats.urdf.writer import Notation, primitive, refused, serialise
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Joint, Link, Origin, Robot
+    from dh2urdf.robot import Follower, Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.sdf import SdfOptions
 
 VERSION = "1.7"
 MODEL = "__model__"
+DRAKE = "http://drake.mit.edu"
+"""The namespace of what Drake adds to SDF."""
 
 # Names that mean something to sdformat, and the separator of nested models.
 _NOT_A_NAME = re.compile(r"world|__.*__|.*::.*", re.DOTALL)
@@ -62,7 +64,7 @@ class _Model:
         self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
 
     def tree(self) -> etree._Element:
-        sdf = etree.Element("sdf", {"version": VERSION})
+        sdf = etree.Element("sdf", {"version": VERSION}, nsmap={"drake": DRAKE} if self._robot.followers else None)
         model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
         bodies: dict[str, etree._Element] = {}
         for link in self._robot.links:
@@ -118,6 +120,18 @@ class _Model:
             element = etree.SubElement(axis, tag) if said or tag == "limit" else axis
             for name, value in said:
                 self._append_numbers(element, name, value)
+        if (follower := joint.follows) is not None:
+            self._append_mimic(axis, follower)
+
+    def _append_mimic(self, axis: etree._Element, follower: Follower) -> None:
+        """Appends what a joint follows, in the words of SDF 1.11 and in those of Drake."""
+        mimic = etree.SubElement(axis, "mimic", {"joint": follower.leader})
+        numbers = {"multiplier": follower.multiplier, "offset": follower.offset}
+        for name, number in {**numbers, "reference": 0.0}.items():
+            self._append_numbers(mimic, name, number)
+        words = {name: self._notation.numbers((number,)) for name, number in numbers.items()}
+        joint = axis.getparent()
+        etree.SubElement(joint, f"{{{DRAKE}}}mimic", {"joint": follower.leader, **words})  # type: ignore[arg-type]
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
         """Appends the shapes of a link to the body that carries it."""

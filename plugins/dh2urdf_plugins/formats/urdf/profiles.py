@@ -92,7 +92,7 @@ def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - t
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:
     """Appends a motor for every joint that has an effort (http://wiki.ros.org/urdf/XML/Transmission)."""
-    for joint in robot.moving_joints:
+    for joint in robot.actuated_joints:
         if not joint.limits.effort:
             continue
         name = notation.name(joint.name)

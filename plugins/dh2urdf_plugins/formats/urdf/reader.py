@@ -16,9 +16,9 @@ from lxml import etree
 from dh2urdf.columns import INERTIA, LIMITS
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import JointType, new_inertia
-from dh2urdf.robot import Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_link, new_origin
+from dh2urdf.robot import Follower, Inertial, Joint, Link, Material, Origin, Robot, new_inertial, new_link, new_origin
 from dh2urdf.rotations import X_AXIS, Z_AXIS, ZERO, Vec3, rotation_from_rpy
-from dh2urdf_plugins.formats.xml_files import FileElements, Model, read_file, written_tree_of
+from dh2urdf_plugins.formats.xml_files import FileElements, Model, number_of, read_file, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +77,7 @@ class _UrdfReader(FileElements):
     def _motion(self, element: etree._Element) -> dict[str, Any]:
         """How a joint moves."""
         kind = self.kind(element, self.text(element, "type"), _LOOSE)
-        axis = element.find("axis")
+        axis, mimic = element.find("axis"), element.find("mimic")
         direction = Z_AXIS  # What the field holds of a fixed joint, which has none.
         if kind is not JointType.FIXED:
             direction = X_AXIS if axis is None else self._vector(axis, "xyz", X_AXIS)
@@ -85,6 +85,7 @@ class _UrdfReader(FileElements):
             "type": kind,
             "origin": self._origin(element),
             "axis": direction,
+            "follows": None if mimic is None else _follower(mimic),
             **self.numbers_of_joint(element, self._number, ("damping", "friction")),
         }
 
@@ -144,3 +145,8 @@ class _UrdfReader(FileElements):
 
     def _numbers(self, element: etree._Element, attribute: str, count: int) -> list[float]:
         return self.read(element, attribute, self.text(element, attribute), count)
+
+
+def _follower(mimic: etree._Element) -> Follower:
+    multiplier, offset = mimic.get("multiplier", "1"), mimic.get("offset", "0")
+    return Follower(mimic.get("joint", ""), number_of(multiplier), number_of(offset))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from dh2urdf.cells.carried import renamed
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes
@@ -21,7 +22,7 @@ from dh2urdf.source import Messages, shown
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from dh2urdf.robot import Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
+    from dh2urdf.robot import Attachment, Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
 
 say = Messages(__file__)
 
@@ -34,6 +35,9 @@ LONGEST_COMMENT = 1000
 # What XML 1.0 cannot hold (section 2.2, Char), and tab and line ends besides: an attribute's reader makes spaces of
 # them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.
 _NOT_FOR_XML = "[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
+
+MESH_FOLDERS = {"meshdir", "texturedir", "assetdir"}
+"""Options of MuJoCo that say where meshes are: they are elsewhere here."""
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The elements of an inertia, as URDF names and orders them."""
@@ -94,8 +98,7 @@ def urdf_tree(
 ) -> etree._Element:
     """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for."""
     root = etree.Element("robot", name=name)
-    if mujoco:
-        append_mujoco_options(root, robot)
+    append_mujoco_options(root, robot, own=mujoco)
     append_robot(root, robot, notation, shared_materials=shared_materials)
     return root
 
@@ -111,22 +114,45 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
             raise refused(robot, "material-of-two-colours", material=material.name)
     for material in materials.values() if shared_materials else ():
         _append_material(parent, material, notation)
-    joint_to = {joint.child: joint for joint in robot.joints}
+    joint_to, foreign = {joint.child: joint for joint in robot.joints}, robot.foreign_names
     for link in robot.links:
         if joint := joint_to.get(link.name):
-            _append_joint(parent, joint, notation)
+            _append_joint(parent, joint, notation, is_foreign=joint.name in foreign)
         _append_link(parent, link, notation, shared_materials=shared_materials)
+    for attachment in robot.attachments:
+        append_carried(parent, attachment, notation)
 
 
-def append_mujoco_options(parent: etree._Element, robot: Robot) -> None:
+def append_carried(parent: etree._Element, attachment: Attachment, notation: Notation) -> None:
+    """Appends what the file of an attachment has for programs but MuJoCo, with the names that its links have here."""
+    for text in attachment.elements:
+        element = renamed(text, attachment.names, lambda name: notation.name(attachment.prefix + name))
+        if element.tag != "mujoco":
+            parent.append(element)
+
+
+def append_mujoco_options(parent: etree._Element, robot: Robot, *, own: bool = True) -> None:
     """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
 
-    Of meshes it takes the file's name alone, without its folder, unless an option forbids it.
+    Of meshes it takes the file's name alone, without its folder, unless an option forbids it. It reads one element of
+    its own in a file: options of attachments are added to those.
     """
-    options = {"fusestatic": "false", "discardvisual": "false"}
-    if has_meshes(robot):
-        options["strippath"] = "false"
-    etree.SubElement(etree.SubElement(parent, "mujoco"), "compiler", options)
+    element = etree.Element("mujoco")
+    if own:
+        options = {"fusestatic": "false", "discardvisual": "false"}
+        etree.SubElement(element, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
+    for attachment in robot.attachments:
+        for text in attachment.elements:
+            carried = renamed(text, attachment.names, lambda name: f"{attachment.prefix}{name}")  # noqa: B023 - used here
+            for child in carried if carried.tag == "mujoco" else ():
+                if (there := element.find(str(child.tag))) is None:
+                    there = etree.SubElement(element, str(child.tag))
+                    there.extend(child)
+                for name, value in child.items():
+                    if name not in there.attrib and name not in MESH_FOLDERS:
+                        there.set(name, value)
+    if len(element):
+        parent.append(element)
 
 
 def append_inertial(parent: etree._Element, link: str, inertial: Inertial, notation: Notation) -> None:
@@ -168,16 +194,18 @@ def _append_material(parent: etree._Element, material: Material, notation: Notat
     etree.SubElement(element, "color", {"rgba": notation.numbers(material.rgba)})
 
 
-def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> None:
+def _append_joint(parent: etree._Element, joint: Joint, notation: Notation, *, is_foreign: bool) -> None:
     element = etree.SubElement(parent, "joint", {"name": notation.name(joint.name), "type": joint.type.value})
     _append_origin(element, joint.origin, notation)
     etree.SubElement(element, "parent", {"link": notation.name(joint.parent)})
     etree.SubElement(element, "child", {"link": notation.name(joint.child)})
     if joint.type is not JointType.FIXED:
         etree.SubElement(element, "axis", {"xyz": notation.numbers(joint.axis)})
-        limit = etree.SubElement(element, "limit")
-        for name in LIMITS_OF[joint.type]:  # An incomplete limit is refused by most readers.
-            value = getattr(joint.limits, name)
+        given = {name: getattr(joint.limits, name) for name in LIMITS_OF[joint.type]}
+        if is_foreign:
+            given = {name: value for name, value in given.items() if value is not None}
+        limit = etree.SubElement(element, "limit") if given else element
+        for name, value in given.items():  # An incomplete limit is refused by most readers.
             if value is None:
                 about = {"joint": joint.name, "field": f"limits.{name}", "type": joint.type.value, "name": name}
                 raise EmitterError(say("limit-needed", joint.mark, **about))
@@ -189,6 +217,9 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation) -> N
     }
     if dynamics:
         etree.SubElement(element, "dynamics", dynamics)
+    if (follower := joint.follows) is not None:
+        numbers = {name: notation.numbers((getattr(follower, name),)) for name in ("multiplier", "offset")}
+        etree.SubElement(element, "mimic", {"joint": notation.name(follower.leader), **numbers})
 
 
 def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shared_materials: bool) -> None:

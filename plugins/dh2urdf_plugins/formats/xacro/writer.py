@@ -135,8 +135,7 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         append_arguments(top, PLACEMENT)
-    if profile.mujoco_element:
-        append_mujoco_options(top, robot)
+    append_mujoco_options(top, robot, own=profile.mujoco_element)
     library = top if single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not single_file:
         # xacro takes a file name for a pattern.

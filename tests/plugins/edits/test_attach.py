@@ -1,0 +1,238 @@
+"""The edit `attach`: a gripper from its own file on an arm, in every format, where MuJoCo and Pinocchio have it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from lxml import etree
+
+import dh2urdf
+from dh2urdf.errors import InputError, ProofError
+from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.attached import prove_attachments
+from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.robot import Follower, Robot
+from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf, read_xacro
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
+INERTIAL = (
+    '<inertial><origin xyz="0.01 0 0.02" rpy="0.3 0 0"/><mass value="{mass}"/>'
+    '<inertia ixx="0.001" iyy="0.0012" izz="0.0015" ixy="0.0001" ixz="0" iyz="0"/></inertial>'
+)
+HAND = f"""<robot name="hand">
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="base_link">{INERTIAL.format(mass=0.6)}<visual><origin rpy="0.1 0.2 0.3"/><geometry>
+    <box size="0.1 0.04 0.04"/></geometry><material name="grey"/></visual></link>
+  <link name="right_finger">{INERTIAL.format(mass=0.1)}</link>
+  <link name="left_finger">{INERTIAL.format(mass=0.2)}<collision><geometry><sphere radius="0.01"/></geometry></collision>
+  </link>
+  <link name="tool0"/>
+  <joint name="right" type="prismatic"><origin xyz="0 -0.01 0.05" rpy="0.1 -0.2 1.3"/><parent link="base_link"/>
+    <child link="right_finger"/><axis xyz="0 0.6 0.8"/><limit lower="-0.04" upper="0.03" effort="10" velocity="1"/>
+    <mimic joint="left" multiplier="-0.05" offset="0.001"/></joint>
+  <joint name="left" type="revolute"><origin xyz="0 0.01 0.05" rpy="0 0.4 0"/><parent link="base_link"/>
+    <child link="left_finger"/><axis xyz="1 0 0"/><limit lower="-0.4" upper="0.7" effort="10" velocity="1"/></joint>
+  <joint name="fixed" type="fixed"><parent link="base_link"/><child link="tool0"/><origin xyz="0 0 0.1"/></joint>
+  <transmission name="drive"><joint name="left"/><actuator name="motor"/></transmission>
+  <ros2_control name="system" type="system"><joint name="left"><param name="mimic">right</param></joint></ros2_control>
+  <gazebo reference="left_finger"><mu1>0.9</mu1></gazebo>
+  <mujoco><compiler angle="radian" fusestatic="true"/><option timestep="0.001"/></mujoco>
+</robot>"""
+MOUNT = {"xyz": [0.0, 0.02, "11 mm"], "rpy": [0.1, 0.2, "30 deg"]}
+READERS = {".urdf": read_urdf, ".urdf.xacro": read_xacro, ".sdf": read_sdf, ".xml": read_mjcf}
+
+
+@pytest.fixture(name="convert")
+def _convert(tmp_path: Path) -> Callable[..., tuple[Path, Robot]]:
+    """Writes an arm with what is attached to it, and reads the file again."""
+
+    def convert(suffix: str, hand: str = HAND, **options: Any) -> tuple[Path, Robot]:
+        (tmp_path / "arm.csv").write_text(TABLE, "utf-8")
+        (tmp_path / "hand.urdf").write_text(hand, "utf-8")
+        edit = {"attach": {"file": str(tmp_path / "hand.urdf"), "name": "hand", **MOUNT, **options}}
+        path = tmp_path / f"out{suffix}"
+        dh2urdf.convert(tmp_path / "arm.csv", path, edits=[edit])
+        return path, READERS[suffix](path)
+
+    return convert
+
+
+def rpy(roll: float, pitch: float, yaw: float) -> np.ndarray[Any, Any]:
+    """URDF's rotation about fixed axes, written otherwise than in the house."""
+    x, y, z = (np.array([[math.cos(a), -math.sin(a)], [math.sin(a), math.cos(a)]]) for a in (roll, pitch, yaw))
+    X, Y, Z = np.eye(3), np.eye(3), np.eye(3)
+    X[1:, 1:], Z[:2, :2], Y[np.ix_([2, 0], [2, 0])] = x, z, y
+    return Z @ Y @ X
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_every_format_has_it_where_mujoco_has_the_hand_alone(
+    suffix: str, convert: Callable[..., tuple[Path, Robot]], tmp_path: Path
+) -> None:
+    """Poses of all links of the hand in tool0, at joint values at which the follower follows."""
+    mujoco = pytest.importorskip("mujoco")
+    _, robot = convert(suffix)
+    alone = (tmp_path / "hand.urdf").read_text("utf-8").replace('fusestatic="true"', 'fusestatic="false"')
+    model = mujoco.MjModel.from_xml_string(alone)
+    data = mujoco.MjData(model)
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = rpy(0.1, 0.2, math.radians(30.0)), (0.0, 0.02, 0.011)
+    for value in (0.0, 0.3, -0.2):
+        data.joint("left").qpos, data.joint("right").qpos = value, -0.05 * value + 0.001
+        mujoco.mj_kinematics(model, data)
+        q = dict.fromkeys([joint.name for joint in robot.actuated_joints], 0.4) | {"hand_left": value}
+        poses = {name: as_matrices(pose) for name, pose in link_poses(robot, q).items()}
+        for link in ("base_link", "right_finger", "left_finger"):
+            wanted = np.eye(4)
+            body = data.body(link) if link != "base_link" else None  # the root is the world for MuJoCo
+            if body is not None:
+                wanted[:3, :3], wanted[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+            found = np.linalg.inv(poses["tool0"]) @ poses[f"hand_{link}"]
+            assert np.allclose(found, place @ wanted, atol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_the_follower_follows(suffix: str, convert: Callable[..., tuple[Path, Robot]]) -> None:
+    _, robot = convert(suffix)
+    assert robot.followers == {"hand_right": Follower("hand_left", -0.05, 0.001)}
+    assert [joint.name for joint in robot.actuated_joints] == ["one", "two", "hand_left"]
+    masses = {link.name: link.inertial.mass for link in robot.links if link.inertial}
+    assert [masses[f"hand_{name}"] for name in ("base_link", "right_finger", "left_finger")] == [0.6, 0.1, 0.2]
+
+
+def test_mujoco_drives_the_leader_alone(convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """One actuator for the hand; the constraint moves the follower as the file of the hand has it."""
+    mujoco = pytest.importorskip("mujoco")
+    path, _ = convert(".xml")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    assert [model.actuator(number).name for number in range(model.nu)] == ["one", "two", "hand_left"]
+    data = mujoco.MjData(model)
+    data.ctrl[model.actuator("hand_left").id] = 0.3
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    left, right = (float(data.joint(f"hand_{name}").qpos[0]) for name in ("left", "right"))
+    assert left == pytest.approx(0.3, abs=2e-3)
+    assert right == pytest.approx(-0.05 * left + 0.001, abs=1e-3)
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".urdf.xacro"])
+def test_every_reference_has_the_prefix(suffix: str, convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """Those of the elements for other programs, too; the two elements for MuJoCo are one, and the arm's counts."""
+    path, _ = convert(suffix)
+    if suffix == ".urdf":
+        root = etree.parse(str(path)).getroot()
+    else:
+        import xacro
+
+        root = etree.fromstring(xacro.process_file(str(path)).toxml().encode())
+    names = {each.get("name") for each in root.iterfind("link")} | {each.get("name") for each in root.iterfind("joint")}
+    assert {each.get("joint") for each in root.iterfind("joint/mimic")} == {"hand_left"}
+    assert [each.get("reference") for each in root.iterfind("gazebo")] == ["hand_left_finger"]
+    assert [each.get("name") for each in root.iterfind("transmission//*[@name]")] == ["hand_left", "hand_motor"]
+    assert [each.get("name") for each in root.iterfind("transmission")] == ["hand_drive"]
+    (system,) = root.iterfind("ros2_control")
+    assert (system.get("name"), system.get("type")) == ("hand_system", "system")
+    assert system.findtext("joint/param") == "hand_right"
+    assert {each.get("name") for each in root.iter("material")} >= {"hand_grey"}
+    (options,) = root.iterfind("mujoco")
+    assert dict(options.find("compiler").attrib) == {
+        "fusestatic": "false",
+        "discardvisual": "false",
+        "angle": "radian",
+    }
+    assert options.find("option").get("timestep") == "0.001"
+    assert {"hand_base_link", "tool0", "hand_tool0"} <= names
+
+
+def test_the_efforts_carry_it(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
+    """Twice the weight at the end of the way, at least; an effort of the table stays."""
+    _, laden = convert(".urdf")
+    bare = dh2urdf.convert(tmp_path / "arm.csv").robot
+    for new, old, arm in zip(laden.actuated_joints[:2], bare.actuated_joints, (0.7, 0.3), strict=True):
+        assert new.limits.effort >= old.limits.effort + 2 * 9.81 * 0.9 * arm
+        assert new.limits.effort <= old.limits.effort + 2 * 9.81 * 0.9 * (arm + 0.3) * 1.1
+    table = "# convention: standard\nname, a, alpha, d, effort\none, 0.4, pi/2, 0.1, 33\ntwo, 0.3, 0, 0, 44\n"
+    edit = {"attach": {"file": str(tmp_path / "hand.urdf"), "name": "hand"}}
+    given = dh2urdf.convert(dh2urdf.read(table), edits=[edit]).robot
+    assert [joint.limits.effort for joint in given.actuated_joints] == [33.0, 44.0, 10.0]
+
+
+def test_it_is_held_by_another_link(convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """The fixed joint above that link is turned round: its root hangs below it."""
+    _, robot = convert(".urdf", root="tool0", xyz=[0, 0, 0], rpy=[0, 0, 0])
+    poses = link_poses(robot, {})
+    found = np.linalg.inv(as_matrices(poses["tool0"])) @ as_matrices(poses["hand_base_link"])
+    assert np.allclose(found, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.1], [0, 0, 0, 1]], atol=1e-15)
+    assert {joint.name: joint.parent for joint in robot.joints}["hand_fixed"] == "hand_tool0"
+
+
+def test_two_hands_have_names_of_their_own(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
+    convert(".urdf")
+    file = str(tmp_path / "hand.urdf")
+    edits = [
+        {"attach": {"file": file, "name": name, "parent": parent}}
+        for name, parent in (("a", "tool0"), ("b", "a_tool0"))
+    ]
+    robot = dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "two.urdf", edits=edits).robot
+    assert robot.followers.keys() == {"a_right", "b_right"}
+    assert [each.parent for each in robot.attachments] == ["tool0", "a_tool0"]
+
+
+def faulty(robot: Robot, **changes: Any) -> Robot:
+    """A robot whose joint or link of the hand was written otherwise."""
+    kind, name, new = changes["kind"], changes["name"], changes["new"]
+    records = tuple([replace(each, **new) if each.name == name else each for each in getattr(robot, kind)])
+    return replace(robot, **{kind: records})
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"kind": "joints", "name": "hand_right", "new": {"follows": None}}, "attached-link-moved"),
+        (
+            {"kind": "joints", "name": "hand_right", "new": {"follows": Follower("hand_left", 0.5, 0.001)}},
+            "attached-link-moved",
+        ),
+        ({"kind": "joints", "name": "hand_left", "new": {"axis": (0.0, 1.0, 0.0)}}, "attached-link-moved"),
+        (
+            {"kind": "joints", "name": "hand_joint", "new": {"origin": dh2urdf.robot.Origin(xyz=(0, 0.02, 0.011))}},
+            "attached-link-moved",
+        ),
+        ({"kind": "links", "name": "hand_left_finger", "new": {"inertial": None}}, "attached-mass-changed"),
+        ({"kind": "links", "name": "hand_base_link", "new": {"visuals": ()}}, "attached-shapes-lost"),
+        ({"kind": "links", "name": "hand_tool0", "new": {"name": "tool1"}}, "attached-link-missing"),
+    ],
+)
+def test_the_proof_finds_every_fault(
+    changes: dict[str, Any], code: str, convert: Callable[..., tuple[Path, Robot]], tmp_path: Path
+) -> None:
+    _, written = convert(".urdf")
+    edit = {"attach": {"file": str(tmp_path / "hand.urdf"), "name": "hand", **MOUNT}}
+    robot = dh2urdf.convert(tmp_path / "arm.csv", edits=[edit]).robot
+    prove_attachments(robot, written)
+    with pytest.raises(ProofError) as caught:
+        prove_attachments(robot, faulty(written, **changes))
+    assert [problem.code for problem in caught.value.problems] == [code]
+
+
+def test_a_possible_inertia_is_taken_where_that_is_asked(convert: Callable[..., tuple[Path, Robot]]) -> None:
+    bad = HAND.replace('ixx="0.001"', 'ixx="0.009"', 1)
+    assert convert(".urdf", bad)[1].links[-4].inertial.inertia.ixx > 0.0088
+    repaired = convert(".urdf", bad, keep={"inertia": "repair"})[1].links[-4].inertial.inertia
+    tensor = np.array([[getattr(repaired, "i" + "".join(sorted(a + b))) for b in "xyz"] for a in "xyz"])
+    small, middle, large = np.linalg.eigvalsh(tensor)
+    assert large <= small + middle
+
+
+def test_sdf_and_mjcf_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "hand.sdf").write_text("<sdf/>", "utf-8")
+    with pytest.raises(InputError, match="no URDF and no xacro"):
+        dh2urdf.convert(dh2urdf.read(TABLE), edits=[{"attach": {"file": str(tmp_path / "hand.sdf"), "name": "h"}}])

@@ -23,6 +23,7 @@ from dh2urdf.testing import (
     TransformContract,
     reference_manipulators,
 )
+from dh2urdf_plugins.edits.attach import AttachOptions
 from dh2urdf_plugins.edits.calibrate import CalibrateOptions
 from dh2urdf_plugins.edits.limits import LimitsOptions
 from dh2urdf_plugins.edits.masses import MassesOptions
@@ -216,6 +217,10 @@ TestAlphaSwap = held(TransformContract, "alpha-swap")
 TestAlphaSwapWithFramesOfTheTable = held(
     TransformContract, "alpha-swap", options=AlphaSwapOptions(frames="dh", shape="box")
 )
+
+
+HAND = Path(__file__).parent / "plugins" / "edits" / "hand.urdf"
+TestAttach = held(EditContract, "attach", options=AttachOptions(file=HAND, name="hand", xyz=(0.0, 0.02, 0.011)))
 
 
 class TestCalibrate(EditContract):

@@ -35,7 +35,6 @@ TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!
 PUBLIC = {
     "dh2urdf": "the commands as functions, and the records of arms: the Python API",
     "dh2urdf.cells.attachments": "robots from descriptions, bolted to other robots: grippers, tools, cameras, bases",
-    "dh2urdf.cells.carried": "elements of a URDF for other programs, and the names in them",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.commands": "tables as files, which are read back before anybody gets them",
     "dh2urdf.documents": "YAML with the place of every value, and text files in whatever encoding",

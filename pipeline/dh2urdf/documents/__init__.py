@@ -25,6 +25,8 @@ if TYPE_CHECKING:
         DOCUMENT_TYPE as DOCUMENT_TYPE,
         ForbiddenXmlError as ForbiddenXmlError,
         check_encoding as check_encoding,
+        lost_references as lost_references,
+        renamed as renamed,
         xml_root as xml_root,
     )
     from dh2urdf.source import LONG_PATH as LONG_PATH
@@ -38,6 +40,6 @@ else:
             "nodes": "Item Node",
             "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
             "refuse_other_kind",
-            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding xml_root",
+            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding lost_references renamed xml_root",
         },
     )

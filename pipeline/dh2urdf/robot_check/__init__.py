@@ -235,7 +235,7 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
 def _body_problems(link: Link, holder: Joint | None, *, is_foreign: bool) -> Iterator[Problem]:
     """A moving link is a body that can exist; only a frame, held by a fixed joint, may weigh nothing.
 
-    Of an inertia that no body has, whoever attached a foreign link has said so.
+    Attachments have notices about inertias that no body has.
     """
     body = link.inertial
     if body is None or _weighs_nothing(body):

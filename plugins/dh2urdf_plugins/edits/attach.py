@@ -1,6 +1,6 @@
 """The edit ``attach``: a robot from a URDF or a xacro that is bolted to a link, such as a gripper on tool0.
 
-The arm stays what its table says: tool0 keeps its place, and the proof compares it as ever. The links of the gripper
+The arm stays what its table says: tool0 keeps its place, and the proof compares it as before. The links of the gripper
 are compared with its own file.
 """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,32 +21,9 @@ from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf, read_xacro
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
 TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
-INERTIAL = (
-    '<inertial><origin xyz="0.01 0 0.02" rpy="0.3 0 0"/><mass value="{mass}"/>'
-    '<inertia ixx="0.001" iyy="0.0012" izz="0.0015" ixy="0.0001" ixz="0" iyz="0"/></inertial>'
-)
-HAND = f"""<robot name="hand">
-  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
-  <link name="base_link">{INERTIAL.format(mass=0.6)}<visual><origin rpy="0.1 0.2 0.3"/><geometry>
-    <box size="0.1 0.04 0.04"/></geometry><material name="grey"/></visual></link>
-  <link name="right_finger">{INERTIAL.format(mass=0.1)}</link>
-  <link name="left_finger">{INERTIAL.format(mass=0.2)}<collision><geometry><sphere radius="0.01"/></geometry></collision>
-  </link>
-  <link name="tool0"/>
-  <joint name="right" type="prismatic"><origin xyz="0 -0.01 0.05" rpy="0.1 -0.2 1.3"/><parent link="base_link"/>
-    <child link="right_finger"/><axis xyz="0 0.6 0.8"/><limit lower="-0.04" upper="0.03" effort="10" velocity="1"/>
-    <mimic joint="left" multiplier="-0.05" offset="0.001"/></joint>
-  <joint name="left" type="revolute"><origin xyz="0 0.01 0.05" rpy="0 0.4 0"/><parent link="base_link"/>
-    <child link="left_finger"/><axis xyz="1 0 0"/><limit lower="-0.4" upper="0.7" effort="10" velocity="1"/></joint>
-  <joint name="fixed" type="fixed"><parent link="base_link"/><child link="tool0"/><origin xyz="0 0 0.1"/></joint>
-  <transmission name="drive"><joint name="left"/><actuator name="motor"/></transmission>
-  <ros2_control name="system" type="system"><joint name="left"><param name="mimic">right</param></joint></ros2_control>
-  <gazebo reference="left_finger"><mu1>0.9</mu1></gazebo>
-  <mujoco><compiler angle="radian" fusestatic="true"/><option timestep="0.001"/></mujoco>
-</robot>"""
+HAND = Path(__file__).with_name("hand.urdf").read_text("utf-8")
 MOUNT = {"xyz": [0.0, 0.02, "11 mm"], "rpy": [0.1, 0.2, "30 deg"]}
 READERS = {".urdf": read_urdf, ".urdf.xacro": read_xacro, ".sdf": read_sdf, ".xml": read_mjcf}
 

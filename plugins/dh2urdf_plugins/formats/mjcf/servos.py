@@ -103,7 +103,7 @@ def _loads(robot: Robot) -> tuple[dict[str, float], dict[str, float]]:
         reaches = total(_unit(each) * lever for each, lever, _ in levers)
         turning = sum(each.type is not JointType.PRISMATIC for each, _, _ in levers)
         for each, lever, turns in levers:
-            name, rate = each.name, 1.0  # Whoever leads a joint bears what it moves.
+            name, rate = each.name, 1.0  # The leader of a joint bears what the joint moves.
             while follower := followers.get(name):
                 name, rate = follower.leader, rate * abs(follower.multiplier)
             if name:

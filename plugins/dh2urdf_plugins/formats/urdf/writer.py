@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.cells.carried import renamed
+from dh2urdf.documents import renamed
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes

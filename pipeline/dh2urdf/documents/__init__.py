@@ -40,6 +40,7 @@ else:
             "nodes": "Item Node",
             "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
             "refuse_other_kind",
-            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding lost_references renamed xml_root",
+            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding lost_references renamed "
+            "xml_root",
         },
     )

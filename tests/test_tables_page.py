@@ -235,7 +235,9 @@ def test_every_key_of_yaml_means_what_the_page_says(read: Callable[..., Outcome]
     assert arm.base == RigidTransform.from_xyz_rpy((0, 0, 0.3), (0, 0, QUARTER))
     assert arm.tool.translation == (0, 0, 0.1)
     assert (shoulder.a, shoulder.alpha, shoulder.d, shoulder.offset, shoulder.sign) == (0.3, QUARTER, 0.12, QUARTER, -1)
-    assert shoulder.limits == Limits(lower=-math.pi, upper=math.pi, velocity=QUARTER, effort=150)
+    assert shoulder.limits == Limits(
+        lower=-math.pi, upper=math.pi, velocity=QUARTER, effort=150, acceleration=5 * QUARTER, jerk=100 * QUARTER
+    )
     assert (shoulder.com, shoulder.radius, shoulder.friction) == ((-0.15, 0, 0), 0.05, 0.1)
     assert (shoulder.damping, elbow.damping) == (1.5, 0.5)
     assert (shoulder.armature, arm.visuals, arm.collisions) == (0.02, True, True)

@@ -34,6 +34,8 @@ NUMBERS = tuple(field.name for field in fields(DHRow) if field.type in {"float",
 """The fields of a row that are one number each."""
 LIMITS = tuple(field.name for field in fields(Limits))
 """The limits of its joint."""
+BOUNDS = ("lower", "upper")
+"""Those of them that bound the joint value; the others are greater than 0."""
 COM = ("com_x", "com_y", "com_z")
 """The coordinates of its centre of mass."""
 INERTIA = tuple(field.name for field in fields(Inertia))
@@ -53,6 +55,10 @@ SI_UNITS = {
     Dimension.ANGLE: "rad",
     Dimension.SPEED: "m/s",
     Dimension.TURN_RATE: "rad/s",
+    Dimension.ACCELERATION: "m/s²",
+    Dimension.TURN_ACCELERATION: "rad/s²",
+    Dimension.JERK: "m/s³",
+    Dimension.TURN_JERK: "rad/s³",
     Dimension.FORCE: "N",
     Dimension.TORQUE: "N·m",
     Dimension.DAMPING: "N·m·s/rad",
@@ -106,6 +112,8 @@ ROW_FIELDS = {
     "upper": RowField(Dimension.ANGLE, Dimension.LENGTH, types=_BOUNDED),
     "velocity": RowField(Dimension.TURN_RATE, Dimension.SPEED, types=_MOVING, positive=True),
     "effort": RowField(Dimension.TORQUE, Dimension.FORCE, types=_MOVING, positive=True),
+    "acceleration": RowField(Dimension.TURN_ACCELERATION, Dimension.ACCELERATION, types=_MOVING, positive=True),
+    "jerk": RowField(Dimension.TURN_JERK, Dimension.JERK, types=_MOVING, positive=True),
     "mass": RowField(Dimension.MASS, positive=True),
     "radius": RowField(Dimension.LENGTH, positive=True),
     "damping": RowField(Dimension.DAMPING, Dimension.LINEAR_DAMPING, types=_MOVING, negative=False),

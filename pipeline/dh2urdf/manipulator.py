@@ -151,12 +151,16 @@ class Limits(Record):
         upper: largest q [rad or m].
         velocity: largest speed [rad/s or m/s].
         effort: largest torque or force [N·m or N].
+        acceleration: largest acceleration [rad/s² or m/s²].
+        jerk: largest change of the acceleration [rad/s³ or m/s³].
     """
 
     lower: float | None = None
     upper: float | None = None
     velocity: float | None = None
     effort: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -122,7 +122,8 @@ class Joint(Record):
         child: name of the link that it moves.
         origin: the child's frame in the parent's at q = 0.
         axis: unit vector in the child's frame; unused where fixed.
-        limits: all four for revolute and prismatic, effort and velocity for continuous, none for fixed.
+        limits: lower, upper, effort and velocity for revolute and prismatic, effort and velocity for continuous, none
+            for fixed; acceleration and jerk where the table gives them.
         damping: viscous friction [N·m·s/rad or N·s/m].
         friction: static friction [N·m or N].
         armature: inertia of the rotor, behind the gear [kg·m² or kg].

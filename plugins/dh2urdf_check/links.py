@@ -9,13 +9,12 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
-from dh2urdf.columns import INERTIA
+from dh2urdf.columns import BOUNDS, INERTIA
 from dh2urdf.kinematics.mass import compound, placed, principal_moments
 from dh2urdf.manipulator import JOINT_TYPES, WORLD, Inertia, JointType, Limits
 from dh2urdf.robot import WEIGHTLESS, Inertial, Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, X_AXIS, Z_AXIS, ZERO, RigidTransform, add, norm, rotate, scale
 from dh2urdf_check.numbers import mujoco_numbers, numbers_of
-from dh2urdf_plugins.formats.xml_files import BOUNDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

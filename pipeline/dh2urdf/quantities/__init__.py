@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     )
     from dh2urdf.quantities.symbols import Symbols as Symbols
     from dh2urdf.quantities.units import (
+        RATES as RATES,
         UNITS as UNITS,
         Dimension as Dimension,
         QuantityError as QuantityError,
@@ -41,6 +42,8 @@ else:
             "quantity": "Quantity evaluate is_zero",
             "spellings": "DEGREE_SIGNS composed plain_text unwrapped",
             "symbols": "Symbols",
-            "units": "UNITS Dimension QuantityError Unit accepted_forms accepted_units find_unit is_unit unit_word",
+            "units": (
+                "RATES UNITS Dimension QuantityError Unit accepted_forms accepted_units find_unit is_unit unit_word"
+            ),
         },
     )

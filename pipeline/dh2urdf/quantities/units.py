@@ -33,6 +33,10 @@ class Dimension(StrEnum):
     ANGLE = "an angle"
     SPEED = "a speed"
     TURN_RATE = "an angular speed"
+    ACCELERATION = "an acceleration"
+    TURN_ACCELERATION = "an angular acceleration"
+    JERK = "a jerk"
+    TURN_JERK = "an angular jerk"
     MASS = "a mass"
     EFFORT = "a force or torque"
     FORCE = "a force"
@@ -50,6 +54,17 @@ class Dimension(StrEnum):
     def holds(self, other: Dimension) -> bool:
         """Whether a quantity of another dimension is one of this."""
         return self is other or (self is Dimension.EFFORT and other in (Dimension.FORCE, Dimension.TORQUE))
+
+
+RATES = {
+    Dimension.SPEED: (Dimension.LENGTH, "/s"),
+    Dimension.TURN_RATE: (Dimension.ANGLE, "/s"),
+    Dimension.ACCELERATION: (Dimension.LENGTH, "/s²"),
+    Dimension.TURN_ACCELERATION: (Dimension.ANGLE, "/s²"),
+    Dimension.JERK: (Dimension.LENGTH, "/s³"),
+    Dimension.TURN_JERK: (Dimension.ANGLE, "/s³"),
+}
+"""What is a length or an angle per time, and what follows the unit of these."""
 
 
 class Decimal(NamedTuple):
@@ -154,8 +169,8 @@ def _factors(text: str) -> list[str]:
     word = re.sub(r"sec(?:onds?)?", "s", re.sub(r"\s*\bper\s+", "/", word)).replace("minute", "min")
     if word.isalpha():
         return [word]
-    if word.endswith("1"):
-        word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}]1$", r"/\1", word)
+    if word.endswith(("1", "2", "3")):
+        word = re.sub(r"(s|min)\s*\^?\s*[-\N{MINUS SIGN}](?:1|([23]))$", r"/\1\2", word)
     word = re.sub(_NO_FACTOR, "", f"1{word}" if word.startswith("/") else word)
     return [factor for factor in re.split(_TIMES, word) if factor]
 
@@ -282,8 +297,6 @@ def unknown_unit(text: str, dimension: Dimension) -> QuantityError:
     word = unit_word(text)
     fitting = [name for name, unit in UNITS.items() if dimension.holds(unit.dimension)]
     advice = _OTHER_UNITS.get(word) or did_you_mean(word, fitting)
-    if re.fullmatch(r".*/s(2|/s)", word):
-        advice = "a table has no field for accelerations: leave the column out"
     message = f"{shown(text)} is no unit of {dimension.plain} that is known"
     return QuantityError(message, accepted_units(dimension), advice)
 

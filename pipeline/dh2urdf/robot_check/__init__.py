@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import DYNAMICS, INERTIA
+from dh2urdf.columns import BOUNDS, DYNAMICS, INERTIA, LIMITS
 from dh2urdf.kinematics.mass import inertia_problem, is_sound
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
@@ -100,7 +100,7 @@ def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
 def _is_sure_joint(joint: Joint) -> Condition:
     (x, y, z), limits = joint.axis, joint.limits
     sure: Condition = abs(x * x + y * y + z * z - 1.0) <= UNIT  # An axis half as far from 1 passes the rule.
-    for number in (limits.velocity, limits.effort):
+    for number in (getattr(limits, name) for name in LIMITS if name not in BOUNDS):
         if number is not None:
             sure &= number > 0.0
     if limits.lower is not None and limits.upper is not None:
@@ -215,14 +215,16 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
     limits = joint.limits
     bounded = joint.type in (JointType.REVOLUTE, JointType.PRISMATIC)
     moving = joint.type is not JointType.FIXED
-    for name, is_needed in {"lower": bounded, "upper": bounded, "velocity": moving, "effort": moving}.items():
+    needed = {"lower": bounded, "upper": bounded, "velocity": moving, "effort": moving}
+    for name in LIMITS:
         value, field = getattr(limits, name), f"limits.{name}"
+        is_needed = needed.get(name, moving and value is not None)
         if is_needed is (value is None):
             code = "limit-missing" if is_needed else "limit-needless"
             yield _problem(joint, code, field, type=joint.type.value, name=name)
         elif value is not None and not math.isfinite(value):
             yield _problem(joint, "limit-infinite", field, found=str(value), name=name)
-        elif value is not None and value <= 0.0 and name in ("velocity", "effort"):
+        elif value is not None and value <= 0.0 and name not in BOUNDS:
             yield _problem(joint, "limit-not-above-0", field, found=f"{value:.12g}", name=name)
     if bounded and limits.lower is not None and limits.upper is not None and limits.lower > limits.upper:
         about = {"found": f"{limits.lower:.12g}", "upper": limits.upper}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS
 from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number, number_in
-from dh2urdf.quantities.units import UNITS, Dimension, Unit
+from dh2urdf.quantities.units import RATES, UNITS, Dimension, Unit, unit_word
 from dh2urdf.rotations import NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
 from dh2urdf.table_text import FIELDS, MESHES, TableText
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
 
-_FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, Dimension.SPEED, Dimension.TURN_RATE)
+_FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, *RATES)
 """What the units of lengths and angles hold for."""
 _DOUBTED = 4 * math.pi
 """Bounds above it [rad] are written with their unit: without one, they may be degrees."""
@@ -131,8 +131,9 @@ def dimension_of(field: str, kind: JointType) -> Dimension | None:
 
 def unit_of(dimension: Dimension, length: Unit, angle: Unit) -> Unit:
     """The unit of a dimension that follows the units of lengths and angles."""
-    unit = length if dimension in (Dimension.LENGTH, Dimension.SPEED) else angle
-    return unit if dimension in (Dimension.LENGTH, Dimension.ANGLE) else UNITS[f"{unit.symbol}/s"]
+    base, per = RATES.get(dimension, (dimension, ""))
+    unit = length if base is Dimension.LENGTH else angle
+    return UNITS[unit_word(f"{unit.symbol}{per}")] if per else unit
 
 
 def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, str]:

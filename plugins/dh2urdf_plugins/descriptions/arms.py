@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import DYNAMICS
+from dh2urdf.columns import BOUNDS, DYNAMICS, LIMITS
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
@@ -128,7 +128,7 @@ def _limits(joint: Joint, unknown: dict[str, list[str]], mark: Mark) -> Limits:
     if lower is not None and upper is not None and lower > upper:
         about: dict[str, Any] = {"joint": joint.name, "lower": lower, "upper": upper}
         raise TableError(say("lower-above-upper", joint.mark or mark, field="limits.lower", **about))
-    kept: dict[str, float | None] = {"velocity": joint.limits.velocity, "effort": joint.limits.effort}
+    kept: dict[str, float | None] = {name: getattr(joint.limits, name) for name in LIMITS if name not in BOUNDS}
     for name, value in kept.items():
         if value is not None and value <= 0.0:
             unknown.setdefault(f"{name} {value:.9g}", []).append(joint.name)

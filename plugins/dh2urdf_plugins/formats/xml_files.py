@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from lxml import etree
 
-from dh2urdf.columns import LIMITS
+from dh2urdf.columns import BOUNDS, LIMITS
 from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, refuse_other_kind, xml_root
 from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.manipulator import JOINT_TYPES, JointType, new_limits
@@ -31,8 +31,6 @@ say = Messages(__file__)
 
 T = TypeVar("T")
 D = TypeVar("D")
-BOUNDS = ("lower", "upper")
-"""The limits between which a joint moves."""
 ACCEPTED = ", ".join(JOINT_TYPES)
 """The types of joints that tables have."""
 LARGEST = 2**26

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TransformError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, compound, placed, rotated, scaled, solid, two_digits
 from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, new_limits
 from dh2urdf.robot import (
@@ -71,9 +72,9 @@ def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
         if row.type is JointType.FIXED:
             limits.append(new_limits())
         elif row.type is JointType.CONTINUOUS:
-            limits.append(new_limits(velocity=velocity, effort=given.effort))
+            limits.append(replace_unchecked(given, lower=None, upper=None, velocity=velocity))
         else:
-            limits.append(new_limits(lower=lower, upper=upper, velocity=velocity, effort=given.effort))
+            limits.append(replace_unchecked(given, lower=lower, upper=upper, velocity=velocity))
     return limits
 
 

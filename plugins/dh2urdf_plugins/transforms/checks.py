@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import NUMBERS
+from dh2urdf.columns import LIMITS, NUMBERS
 from dh2urdf.kinematics.mass import inertia_problem, is_sound, possible_inertia
 from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, IDENTITY, is_column, nearest_quarter, quarter_turns, rounded_quarter_turn, where
@@ -178,7 +178,7 @@ def sure_tables(columns: ManipulatorColumns) -> Condition:
 
 def _is_sure(row: DHRow) -> Condition:
     """Whether nothing is known of the numbers of a row, as far as they are columns."""
-    limits = (row.limits.lower, row.limits.upper, row.limits.velocity, row.limits.effort)
+    limits = (getattr(row.limits, name) for name in LIMITS)
     sure: Condition = True
     for number in (*(getattr(row, name) for name in NUMBERS), *limits, *(row.com or ())):
         if number is not None:

@@ -25,6 +25,24 @@ EXACT = {
         "ft": 12 * INCH,
         "mil": INCH / 1000,
     },
+    Dimension.ACCELERATION: {
+        **dict.fromkeys(("m/s²", "m/s^2", "m/sec²", "m/s/s", "m/s2"), "1"),
+        "cm/s²": "0.01",
+        **dict.fromkeys(("mm/s²", "mm·s⁻²"), "0.001"),
+        "µm/s²": "1e-6",
+        "in/s²": INCH,
+        "ft/s²": 12 * INCH,
+    },
+    Dimension.TURN_ACCELERATION: {"rad/s²": "1", "radians/s²": "1", "rad/s/s": "1", "rad·s⁻²": "1"},
+    Dimension.JERK: {
+        **dict.fromkeys(("m/s³", "m/s^3", "m·s⁻³"), "1"),
+        "cm/s³": "0.01",
+        "mm/s³": "0.001",
+        "µm/s³": "1e-6",
+        "in/s³": INCH,
+        "ft/s³": 12 * INCH,
+    },
+    Dimension.TURN_JERK: {"rad/s³": "1", "rad/s^3": "1"},
     Dimension.SPEED: {
         "mm per second": "0.001",
         "mm·s⁻¹": "0.001",
@@ -96,8 +114,16 @@ QUARTERS = {
         "rps": Fraction(1, 4),
         **dict.fromkeys(("rpm", "1/min", "U/min", "rev/min", "r/min", "min⁻¹", "min^-1", "turns/min"), 15),
     },
+    Dimension.TURN_ACCELERATION: {
+        **dict.fromkeys(("deg/s²", "°/s²", "deg/s^2", "degrees/s²", "deg/s/s", "deg/sec²", "°·s⁻²"), 90),
+        **dict.fromkeys(("rev/s²", "turns/s²"), Fraction(1, 4)),
+    },
+    Dimension.TURN_JERK: {
+        **dict.fromkeys(("deg/s³", "°/s³", "deg/s^3"), 90),
+        **dict.fromkeys(("rev/s³", "turns/s³"), Fraction(1, 4)),
+    },
 }
-"""How many of each a quarter turn has, or a quarter turn per second."""
+"""How many of each a quarter turn has, or a quarter turn per second, s² or s³."""
 
 
 @pytest.mark.parametrize(
@@ -220,7 +246,6 @@ def test_a_number_beyond_all_doubles_is_refused(text: str) -> None:
         ("″", Dimension.LENGTH, "write in, ft or deg"),
         ("1/s", Dimension.TURN_RATE, "whichever it is"),
         ("ton", Dimension.MASS, "write t for 1000 kg"),
-        ("deg/s²", Dimension.TURN_RATE, "no field for accelerations"),
         ("Grad", Dimension.ANGLE, "write deg for degrees"),
         ("π rad", Dimension.ANGLE, r"0\.5\*pi"),
     ],

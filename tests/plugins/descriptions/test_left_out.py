@@ -30,7 +30,7 @@ def test_a_urdf(tmp_path: Path) -> None:
         "5 the element sensor of a link is left out",
         "9 the element safety_controller of a joint is left out",
         "9 the element calibration of a joint is left out",
-        "8 the attribute acceleration of a limit is left out",
+        "8 the attribute deceleration of a limit is left out",
         "8 the attribute spring_stiffness of a dynamics is left out",
     ]
     assert foreign_urdf(tmp_path / "arm.urdf").notices == ()  # A picture leaves nothing out that it could have.

@@ -46,6 +46,12 @@ MIXED = {
     "an offset, angles in degrees": ("# units: {angle: deg}", "offset", ("R,1,0,1,90", "P,1,0,1,0.5")),
     "limits, lengths in mm": ("# units: {length: mm}", "lower,upper", (f"{R},-1,{{k}}", f"{P},-1,{{k}}")),
     "speeds, lengths in mm": ("# units: {length: mm}", "velocity", (f"{R},{{k}}", f"{P},{{k}}")),
+    "accelerations, lengths in mm": ("# units: {length: mm}", "acceleration,jerk", (f"{R},{{k}},2", f"{P},{{k}},2")),
+    "accelerations beside cells with units": (
+        "",
+        "lower,upper,acceleration",
+        ("R,1,0,1,-90°,90°,{k}", "P,1,0,1,0,1,{k}"),
+    ),
     "offsets in a column of m": ("", "offset [m]", ("R,1,0,1,0", "P,1,0,1,{k}")),
     "limits in columns of m": ("", "lower [m],upper [m]", ("P,1,0,1,-1,{k}", "P,1,0,1,0,{k}")),
     "an offset in a column of rad, of a joint that slides": ("", "offset [rad]", ("R,1,0,1,0", "P,1,0,1,0.5")),

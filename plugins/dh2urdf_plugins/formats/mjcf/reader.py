@@ -20,7 +20,7 @@ from math import comb
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.columns import DYNAMICS
+from dh2urdf.columns import BOUNDS, DYNAMICS
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics import axis_rotation
 from dh2urdf.kinematics.mass import compound, placed, rotated, scaled, solid
@@ -43,7 +43,6 @@ from dh2urdf.rotations import (
 from dh2urdf.source import Messages, shown
 from dh2urdf_plugins.formats.mjcf.elements import SMALLEST, Elements, include_files
 from dh2urdf_plugins.formats.xml_files import (
-    BOUNDS,
     Model,
     Placed,
     fixed,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from dh2urdf.columns import INERTIA, LIMITS
+from dh2urdf.columns import BOUNDS, INERTIA, LIMITS
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.mass import rotated
 from dh2urdf.manipulator import WORLD, Inertia, JointType
@@ -33,7 +33,7 @@ from dh2urdf_plugins.formats.sdf.elements import (
     leave_out_attached,
     modernise,
 )
-from dh2urdf_plugins.formats.xml_files import BOUNDS, Model, fixed, number_of, read_file, written_tree_of
+from dh2urdf_plugins.formats.xml_files import Model, fixed, number_of, read_file, written_tree_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

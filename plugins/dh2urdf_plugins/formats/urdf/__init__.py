@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from dh2urdf.robot import Robot
 
 ProfileName: TypeAlias = Literal["portable", "ros", "pybullet", "mujoco", "gazebo", "coppeliasim", "drake"]
+UrdfVersion: TypeAlias = Literal["1.0", "1.2"]
+VERSION_HELP = "of URDF; 1.2 has limits of acceleration and jerk, and capsules, and older readers refuse it"
 PROFILE_HELP = "readers that the file is for; portable: all of them"
 
 notices = Late(f"{__name__}.profiles:notices_of")
@@ -25,6 +27,7 @@ class UrdfOptions:
     """What a URDF is written for."""
 
     profile: ProfileName = option(PROFILE_HELP, "portable", flag="P")
+    version: UrdfVersion = option(VERSION_HELP, "1.0")
 
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
@@ -32,7 +35,7 @@ def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, append_transmissions
     from dh2urdf_plugins.formats.urdf.writer import Notation, check_lines, serialise, urdf_tree
 
-    notation, profile = Notation(), PROFILES[options.profile]
+    notation, profile = Notation(options.version), PROFILES[options.profile]
     robot = adapted(robot, profile)
     name, is_shared = notation.text(robot.name), profile.shared_materials
     root = urdf_tree(robot, name, notation, mujoco=profile.mujoco_element, shared_materials=is_shared)

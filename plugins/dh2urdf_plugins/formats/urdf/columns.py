@@ -40,6 +40,7 @@ class ColumnNotation(Notation):
     """Writes slots for columns; the first column belongs into slot 0."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.columns: list[Any] = []
 
     def text(self, text: str) -> str:
@@ -65,7 +66,7 @@ def emit_columns(
     A robot that is not sure, or whose name or comment has to be escaped, gets no file. None where one file is not
     another with other numbers, or where there can be none: `emit` makes them one by one, or says why it cannot.
     """
-    if PROFILES[options.profile] != PROFILES["portable"]:
+    if PROFILES[options.profile] != PROFILES["portable"] or options.version != "1.0":
         return None
     told = zip(robots.sure.tolist(), robots.names, robots.comments, strict=True)
     written = [

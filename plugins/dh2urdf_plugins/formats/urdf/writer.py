@@ -6,8 +6,9 @@ differs is how a name and a number are written, and that is the `Notation`.
 
 from __future__ import annotations
 
+import math
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from lxml import etree
 
@@ -17,14 +18,17 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import has_meshes
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from dh2urdf.robot import Attachment, Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
+    from dh2urdf_plugins.formats.urdf import UrdfVersion
 
 say = Messages(__file__)
+S = TypeVar("S", "Visual", "Collision")
 
 LONGEST_LINE = 8000
 """Bytes of one line: PyBullet cuts a longer one in silence."""
@@ -48,6 +52,11 @@ LIMITS_OF = {
     JointType.CONTINUOUS: ("effort", "velocity"),
     JointType.FIXED: (),
 }
+"""The limits that a joint must have."""
+SINCE_1_2 = ("acceleration", "jerk")
+"""The limits that a joint may have since URDF 1.2 (https://github.com/ros/urdfdom, *URDF Versioning*)."""
+CAP = 1e-9
+"""How far a ball may be from the end of a cylinder that it makes a capsule [m]."""
 
 
 def refused(robot: Robot, code: str, joint: Joint | None = None, **words: Any) -> EmitterError:  # noqa: ANN401 - of a message
@@ -57,7 +66,18 @@ def refused(robot: Robot, code: str, joint: Joint | None = None, **words: Any) -
 
 
 class Notation:
-    """How plain URDF writes names and numbers; xacro's notation overrides it."""
+    """How plain URDF writes names and numbers; xacro's notation overrides it.
+
+    Args:
+        version: the version of URDF that the file declares: 1.2 has limits of acceleration and jerk, and capsules.
+    """
+
+    def __init__(self, version: UrdfVersion = "1.0") -> None:
+        self.is_extended = version == "1.2"
+
+    def robot(self, name: str, **others: Any) -> etree._Element:  # noqa: ANN401 - lxml's
+        """The root element, under a name that is written already; a file that declares no version is of version 1.0."""
+        return etree.Element("robot", {"name": name, **({"version": "1.2"} if self.is_extended else {})}, **others)
 
     def text(self, text: str) -> str:
         """A text that is nobody's identifier: the robot's name, a file name."""
@@ -97,7 +117,7 @@ def urdf_tree(
     robot: Robot, name: str, notation: Notation, *, mujoco: bool = True, shared_materials: bool = True
 ) -> etree._Element:
     """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for."""
-    root = etree.Element("robot", name=name)
+    root = notation.robot(name)
     append_mujoco_options(root, robot, own=mujoco)
     append_robot(root, robot, notation, shared_materials=shared_materials)
     return root
@@ -204,6 +224,9 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation, *, i
         given = {name: getattr(joint.limits, name) for name in LIMITS_OF[joint.type]}
         if is_foreign:
             given = {name: value for name, value in given.items() if value is not None}
+        if notation.is_extended:
+            others = {name: getattr(joint.limits, name) for name in SINCE_1_2}
+            given |= {name: value for name, value in others.items() if value is not None}
         limit = etree.SubElement(element, "limit") if given else element
         for name, value in given.items():  # An incomplete limit is refused by most readers.
             if value is None:
@@ -226,20 +249,54 @@ def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shar
     element = etree.SubElement(parent, "link", {"name": notation.name(link.name)})
     if link.inertial:
         append_inertial(element, link.name, link.inertial, notation)
-    for visual in link.visuals:
+    for visual, tag in _shapes(link.visuals, notation):
         shape = etree.SubElement(element, "visual")
-        _append_shape(shape, visual, notation)
+        _append_shape(shape, visual, notation, tag)
         if visual.material and not shared_materials:
             _append_material(shape, visual.material, notation)
         elif visual.material:
             etree.SubElement(shape, "material", {"name": notation.name(visual.material.name)})
-    for collision in link.collisions:
-        _append_shape(etree.SubElement(element, "collision"), collision, notation)
+    for collision, tag in _shapes(link.collisions, notation):
+        _append_shape(etree.SubElement(element, "collision"), collision, notation, tag)
 
 
-def _append_shape(element: etree._Element, shape: Visual | Collision, notation: Notation) -> None:
+def _shapes(shapes: Sequence[S], notation: Notation) -> list[tuple[S, str | None]]:
+    """Shapes, each with the tag that takes the place of its own.
+
+    Since URDF 1.1 a cylinder with a ball of its radius at each end is a capsule; the balls are left out then.
+    """
+    if not notation.is_extended:
+        return [(shape, None) for shape in shapes]
+    capsules: set[int] = set()
+    covered: set[int] = set()
+    for number, shape in enumerate(shapes):
+        if isinstance(shape.geometry, Cylinder):
+            caps = [_cap(shapes, shape, end * shape.geometry.length) for end in (-0.5, 0.5)]
+            if None not in caps:
+                capsules.add(number)
+                covered.update(cap for cap in caps if cap is not None)
+    kept = [number for number in range(len(shapes)) if number not in covered]
+    return [(shapes[number], "capsule" if number in capsules else None) for number in kept]
+
+
+def _cap(shapes: Sequence[S], body: S, height: float) -> int | None:
+    """The number of the ball that closes a cylinder at a height [m] along its axis, if there is one."""
+    end = (body.origin.transform @ RigidTransform.from_xyz_rpy((0.0, 0.0, height))).translation
+    material = getattr(body, "material", None)
+    for number, shape in enumerate(shapes):
+        if isinstance(shape.geometry, Sphere) and isinstance(body.geometry, Cylinder):
+            is_alike = shape.geometry.radius == body.geometry.radius and getattr(shape, "material", None) == material
+            if is_alike and math.dist(shape.origin.xyz, end) <= CAP:
+                return number
+    return None
+
+
+def _append_shape(
+    element: etree._Element, shape: Visual | Collision, notation: Notation, tag: str | None = None
+) -> None:
     _append_origin(element, shape.origin, notation)
-    etree.SubElement(etree.SubElement(element, "geometry"), *primitive(shape.geometry, notation))
+    drawn = etree.SubElement(etree.SubElement(element, "geometry"), *primitive(shape.geometry, notation))
+    drawn.tag = tag or drawn.tag
 
 
 def _append_origin(parent: etree._Element, origin: Origin, notation: Notation) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from dh2urdf.stages import Emitter, GivesNotices, OtherFiles, ReadsBack, ReadsForeign
 from dh2urdf_plugins.formats import checks, foreign_xacro, read_xacro
-from dh2urdf_plugins.formats.urdf import PROFILE_HELP, ProfileName, notices
+from dh2urdf_plugins.formats.urdf import PROFILE_HELP, VERSION_HELP, ProfileName, UrdfVersion, notices
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -17,6 +17,7 @@ class XacroOptions:
 
     single_file: bool = option("write the macro and its call into one file instead of two", False)
     profile: ProfileName = option(PROFILE_HELP, "portable", flag="P")
+    version: UrdfVersion = option(VERSION_HELP, "1.0")
 
 
 def one_file(options: XacroOptions) -> XacroOptions:

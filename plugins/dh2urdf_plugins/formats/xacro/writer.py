@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from dh2urdf.robot import Arm, Parameter, Robot
+    from dh2urdf_plugins.formats.urdf import UrdfVersion
     from dh2urdf_plugins.formats.xacro import XacroOptions
 
 say = Messages(__file__)
@@ -67,7 +68,8 @@ _WORDS_IN_USE = frozenset({"prefix", "parent", "origin", "pi", "abs", "fabs", "m
 class XacroNotation(Notation):
     """Names carry the prefix; numbers that follow the table are formulas over the macro's properties."""
 
-    def __init__(self, parameters: Sequence[Parameter] = ()) -> None:
+    def __init__(self, parameters: Sequence[Parameter] = (), version: UrdfVersion = "1.0") -> None:
+        super().__init__(version)
         self._parameters = frozenset(parameter.name for parameter in parameters)
 
     def text(self, text: str) -> str:
@@ -129,10 +131,11 @@ def macro_name(robot_name: str, stem: str) -> str:
 
 def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[EmittedFile, ...]:
     """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open."""
-    notation, profile, single_file = XacroNotation(), PROFILES[options.profile], options.single_file
+    notation, profile = XacroNotation(version=options.version), PROFILES[options.profile]
+    single_file = options.single_file
     robot = adapted(robot, profile)
     macros = macros_of(robot, stem)
-    top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": NAMESPACE})
+    top = notation.robot(notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         append_arguments(top, PLACEMENT)
     append_mujoco_options(top, robot, own=profile.mujoco_element)
@@ -141,7 +144,7 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
         # xacro takes a file name for a pattern.
         append_element(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
     for name, kind in macros.items():
-        _append_macro(library, kind, name, profile)
+        _append_macro(library, kind, name, profile, options.version)
         if f"{name}_at" not in macros:
             append_placed_macro(library, name)
     if robot.arms:
@@ -227,8 +230,8 @@ def append_macro(library: etree._Element, name: str, parameters: str = "") -> et
     return append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {parameters}".strip())
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile) -> None:
-    notation = XacroNotation(robot.parameters)
+def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile, version: UrdfVersion) -> None:
+    notation = XacroNotation(robot.parameters, version)
     macro = append_macro(parent, name)
     has_meshes_too = ", meshes" if has_meshes(robot) else ""
     if robot.parameters:

@@ -58,8 +58,8 @@ class Ros2Options(SrdfOptions):
         "also write the configuration of MoveIt, which trials, seed, min_distance and group are for", False
     )
     acceleration: float | None = option(
-        "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default each joint reaches its "
-        "full velocity in 0.5 s",
+        "largest acceleration of all joints for MoveIt [rad/s², m/s²]; by default that of the table, or "
+        "one that reaches the full velocity in 0.5 s",
         None,
     )
 

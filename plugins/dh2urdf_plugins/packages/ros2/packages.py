@@ -18,7 +18,7 @@ from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.meshes import copy_name, read_mesh, with_shapes
 from dh2urdf.robot import Joint, Link, Mesh, Origin
 from dh2urdf.rotations import IDENTITY
-from dh2urdf.source import Messages, Problem, markdown_text
+from dh2urdf.source import Messages, Problem, listed, markdown_text
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf import UrdfOptions
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
@@ -212,8 +212,9 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
     if not options.moveit:
         return found
-    if options.acceleration is None:
-        found.append(say("no-accelerations", seconds=yamls.SPEED_UP))
+    without = [joint.name for joint in robot.moving_joints if joint.limits.acceleration is None]
+    if options.acceleration is None and without:
+        found.append(say("no-accelerations", joints=listed(without), seconds=yamls.SPEED_UP))
     for name in (joint.name for joint in robot.moving_joints if yamls.is_no_text_to_launch(joint.name)):
         found.append(say("joint-name-no-text", name=name, other=f"joint_{name}"))
     for group in groups(robot, options.group):

@@ -201,12 +201,13 @@ def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> byte
     limits = {}
     for joint in joints:
         velocity = float(joint.limits.velocity or 0.0)
-        default = velocity / SPEED_UP if velocity else _ACCELERATION
+        default = joint.limits.acceleration or (velocity / SPEED_UP if velocity else _ACCELERATION)
         limits[joint.name] = {
             "has_velocity_limits": velocity > 0.0,
             "max_velocity": velocity,
             "has_acceleration_limits": True,
-            "max_acceleration": default if acceleration is None else float(acceleration),
+            "max_acceleration": float(default if acceleration is None else acceleration),
+            **({"has_jerk_limits": True, "max_jerk": float(joint.limits.jerk)} if joint.limits.jerk else {}),
         }
     return _filled("planning_limits.yaml", {**_fixed_values()["scaling"], "joint_limits": limits})
 

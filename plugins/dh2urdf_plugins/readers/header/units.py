@@ -8,7 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.columns import COM, INERTIA, SI_UNITS
-from dh2urdf.quantities import Dimension, QuantityError, Symbols, Unit, accepted_units
+from dh2urdf.quantities import RATES, Dimension, QuantityError, Symbols, Unit, accepted_units
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf_plugins.readers.words.cells import Cell
 from dh2urdf_plugins.readers.words.fields import FIELDS
@@ -29,6 +29,8 @@ UNIT_KEYS = {
     "inertia": (Dimension.INERTIA,),
     "effort": (Dimension.TORQUE, Dimension.FORCE),
     "velocity": (Dimension.TURN_RATE, Dimension.SPEED),
+    "acceleration": (Dimension.TURN_ACCELERATION, Dimension.ACCELERATION),
+    "jerk": (Dimension.TURN_JERK, Dimension.JERK),
     "damping": (Dimension.DAMPING, Dimension.LINEAR_DAMPING),
 }
 """Keys of `units`, and what they declare the unit of; of two, the first is that of joints that turn."""
@@ -37,8 +39,8 @@ KEY_OF = {dimension: key for key, dimensions in UNIT_KEYS.items() for dimension 
 _GEOMETRY = {Dimension.LENGTH: ("a", "d"), Dimension.ANGLE: ("alpha", "theta")}
 _PLURAL: dict[str, str] = {Dimension.LENGTH: "lengths", Dimension.ANGLE: "angles", Dimension.MASS: "masses"}
 _PLURAL[Dimension.INERTIA] = "moments of inertia"
-_RATES = {Dimension.SPEED: Dimension.LENGTH, Dimension.TURN_RATE: Dimension.ANGLE}
-"""What has the unit of lengths or angles per second, where these have a sure one."""
+OF_RATES = tuple(name for name, each in FIELDS.items() if each.dimension in RATES)
+"""Fields whose numbers have the unit of lengths or angles per time, where these have a sure one."""
 _OF_THE_JOINT = ("offset", "lower", "upper")
 _GROUPS = (*_GEOMETRY.values(), _OF_THE_JOINT, COM, (*INERTIA, "armature"), ("effort", "friction"))
 """Columns that are beside each other, and are hardly in two units."""
@@ -81,8 +83,8 @@ class Units:
 
     def of(self, dimension: Dimension) -> Unit | None:
         """The unit of numbers of a dimension that name none."""
-        unit, base = self.known.get(dimension), self.known.get(_RATES.get(dimension, dimension))
-        return unit or (base and _rate_of(base))
+        base = self.known.get(RATES[dimension][0]) if dimension in RATES else None
+        return self.known.get(dimension) or (base and _rate_of(base, dimension))
 
     def unit_of(self, name: str | None, dimension: Dimension) -> Unit | None:
         """The unit of a field's numbers that name none; None where that is the SI unit, or in doubt."""
@@ -105,10 +107,9 @@ class Units:
         return next((unit for unit in angles if unit.parts), angles[0] if angles else None)
 
 
-def _rate_of(unit: Unit) -> Unit:
-    """A unit of length or angle per second."""
-    rate = Dimension.SPEED if unit.dimension is Dimension.LENGTH else Dimension.TURN_RATE
-    return replace(unit, symbol=f"{unit.symbol}/s", dimension=rate)
+def _rate_of(unit: Unit, rate: Dimension) -> Unit:
+    """A unit of length or angle per time, of a dimension."""
+    return replace(unit, symbol=f"{unit.symbol}{RATES[rate][1]}", dimension=rate)
 
 
 def group_of(name: str) -> tuple[str, ...]:
@@ -159,7 +160,7 @@ def _of_kinds(
         why = next((reasons[part] for part in parts if part in reasons), None)
         if why and measured not in stated:
             found[what] = Doubt(why, SI_UNITS[measured])
-    for rate, base in _RATES.items():
+    for rate, (base, _) in RATES.items():
         if base in doubts and rate not in stated:
             found[rate] = Doubt(doubts[base].reason, SI_UNITS[rate])
     for key, kinds in UNIT_KEYS.items():  # what declares the unit of one kind of joints leaves open that of the other
@@ -174,10 +175,12 @@ def _beside(columns: Columns, units: Units, stated: Mapping[Dimension, Unit]) ->
     """Columns without a unit beside one whose header has another unit than the numbers would be read in."""
     found: dict[str, Doubt] = {}
     for name in columns.names:
-        others = () if name in columns.units else _OF_THE_JOINT if name == "velocity" else group_of(name)
+        others = () if name in columns.units else _OF_THE_JOINT if name in OF_RATES else group_of(name)
         for other in filter(columns.units.__contains__, others):
             said = columns.units[other]
-            unit = _rate_of(said) if name == "velocity" else said
+            kinds = [each for each in (FIELDS[name].dimension, FIELDS[name].linear) if each in RATES]
+            rate = next((each for each in kinds if RATES[each][0] is said.dimension), None)
+            unit = _rate_of(said, rate) if rate else said
             read = units.of(unit.dimension)
             is_read = unit == read or (read is None and unit.is_si) or unit.dimension in stated
             if unit.dimension in (FIELDS[name].dimension, FIELDS[name].linear) and not is_read:

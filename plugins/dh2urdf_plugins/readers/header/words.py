@@ -41,6 +41,8 @@ _TWO_NAMES = r"(.+?)[\s_.:-]+([^\s_.:-]+(?:_[ijkn](?:-1)?)?)"
 _SYMBOLS = frozenset(("a", "r", "alpha", "d", "theta", "b", "beta", "gamma", "sigma", "mu", "q"))
 """Keys of symbols, which have their index right behind them: ``ai``."""
 _LARGEST = dict.fromkeys((Dimension.TURN_RATE, Dimension.SPEED), "velocity")
+_LARGEST |= dict.fromkeys((Dimension.TURN_ACCELERATION, Dimension.ACCELERATION), "acceleration")
+_LARGEST |= dict.fromkeys((Dimension.TURN_JERK, Dimension.JERK), "jerk")
 _LARGEST |= dict.fromkeys((Dimension.TORQUE, Dimension.FORCE), "effort")
 """The fields whose largest value a header such as ``max [Nm]`` gives, by what its unit measures."""
 _LONGEST, _LONGEST_KEY, _LONGEST_UNIT = 300, 60, 24

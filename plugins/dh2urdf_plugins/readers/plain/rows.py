@@ -26,7 +26,7 @@ from dh2urdf.source import Messages
 from dh2urdf.table_text import GEOMETRY
 from dh2urdf_plugins.readers.header.columns import is_value
 from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
-from dh2urdf_plugins.readers.header.units import group_of
+from dh2urdf_plugins.readers.header.units import OF_RATES, group_of
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.rows.rows import LARGEST_LIMIT, meant_by
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LONGEST_ARM, NEARLY, REMEMBERED, SHORTEST_ARM
@@ -176,7 +176,7 @@ class PlainRows:
         readers = [*self.numbers.items(), *self.sliding.items()]
         named = [name for name, each in readers if each.foreign]
         beside = {other for name in named for other in group_of(name)}
-        beside |= {"velocity"} if not beside.isdisjoint(group_of("offset")) else set()
+        beside |= {*OF_RATES} if not beside.isdisjoint(group_of("offset")) else set()
         return bool(named and self.units.bare) or any(each.bare for name, each in readers if name in beside)
 
     # --- Words

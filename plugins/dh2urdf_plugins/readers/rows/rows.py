@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
 from dh2urdf.manipulator import ENDS, Convention, DHRow, Inertia, JointType, Limits
-from dh2urdf.quantities import Dimension, Quantity, QuantityError, accepted_units, evaluate
+from dh2urdf.quantities import RATES, Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.table_text import REQUIRED, Said
-from dh2urdf_plugins.readers.header.units import bare_beside_cells, unit_advice
+from dh2urdf_plugins.readers.header.units import OF_RATES, bare_beside_cells, unit_advice
 from dh2urdf_plugins.readers.rows.six_parameters import Extra
 from dh2urdf_plugins.readers.words.bounds import FULL_TURN, LARGEST_ANGLE, MEASURABLE_ARM, NEARLY
 from dh2urdf_plugins.readers.words.cells import Cell
@@ -313,11 +313,14 @@ class RowReader:
         if "lower" in bounds and "upper" in bounds and bounds["lower"] > bounds["upper"]:
             self._note("bounds-exchanged", "lower", upper=shown(self._cells["upper"].text))
         foreign = [name for name in ("lower", "upper", "offset") if name in read and read[name].foreign]
-        if foreign and self._unsaid.get("velocity"):  # the joint's own cells name another unit than the SI unit
-            rate = FIELDS["velocity"].measures(slides=kind is JointType.PRISMATIC)
-            word, there = "mm/s" if rate is Dimension.SPEED else "deg/s", shown(self._cells[foreign[0]].text)
-            about = {"word": word, "si": SI_UNITS[rate], "units": accepted_units(rate)}
-            self._note("speed-without-unit", "velocity", other=foreign[0], there=there, **about)
+        for name in OF_RATES if foreign else ():
+            if self._unsaid.get(name):  # the joint's own cells name another unit than the SI unit
+                rate = FIELDS[name].measures(slides=kind is JointType.PRISMATIC)
+                base, per = RATES[rate]
+                word = f"{'mm' if base is Dimension.LENGTH else 'deg'}{per}"
+                about = {"word": word, "si": SI_UNITS[rate], "units": accepted_units(rate)}
+                there = shown(self._cells[foreign[0]].text)
+                self._note("speed-without-unit", name, other=foreign[0], there=there, **about)
         return Limits(**bounds)
 
 

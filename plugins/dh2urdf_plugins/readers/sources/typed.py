@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.columns import COM, INERTIA, ROW_FIELDS
+from dh2urdf.columns import COM, INERTIA, LIMITS, ROW_FIELDS
 from dh2urdf.documents import load_yaml
 from dh2urdf.errors import InputError, TableError
 from dh2urdf.quantities import Dimension, plain_text
@@ -39,7 +39,7 @@ _QUOTED = frozenset(',;\t"#')
 """Characters that mean something to a reader of CSV where they stand bare."""
 _COMMON = ("convention", "length_unit", "angle_unit", "base", "tool", "payload", "defaults")
 """What comments declare about all rows."""
-_INNER = {"limits": ("lower", "upper", "velocity", "effort"), "inertia": INERTIA}
+_INNER = {"limits": LIMITS, "inertia": INERTIA}
 _GROUPED = {field: group for group, fields in _INNER.items() for field in fields} | dict.fromkeys(COM, "com")
 _FLOW = r"[a-z]+|\{(?:[a-z]+: (?:\[[-\w., /*+]*\]|[-\w.]+)(?:, |(?=\})))+\}"
 """A mapping of numbers and lists of them, as most are."""

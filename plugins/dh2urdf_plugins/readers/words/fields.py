@@ -153,7 +153,23 @@ class Field:
 
 _NAMES = (
     *("robot", "convention", "index", "joint", "link", "type", "a", "alpha", "d", "theta", "offset", "beta", "gamma"),
-    *("b", "sign", "flip", "limits", "lower", "upper", "velocity", "effort", "mass", "com", *COM, "inertia", *INERTIA),
+    *(
+        "b",
+        "sign",
+        "flip",
+        "limits",
+        "lower",
+        "upper",
+        "velocity",
+        "effort",
+        "acceleration",
+        "jerk",
+        "mass",
+        "com",
+        *COM,
+        "inertia",
+        *INERTIA,
+    ),
     *("radius", "damping", "friction", "armature"),
 )
 _NUMBERS = {"sign": RowField(Dimension.NUMBER), "b": RowField(Dimension.LENGTH), **ROW_FIELDS}

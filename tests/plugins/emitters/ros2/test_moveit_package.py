@@ -13,8 +13,10 @@ import pytest
 import yaml
 from lxml import etree
 
+import dh2urdf
 from dh2urdf.stages import Expansion, GivesNotices
 from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
+from dh2urdf_plugins.packages.ros2.yaml_files import planning_limits
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 if TYPE_CHECKING:
@@ -132,6 +134,20 @@ def test_velocities_are_those_of_the_table_and_reached_in_half_a_second(package:
     assert "max_acceleration: 3.0" in (moveit_folder(folder) / "config" / "joint_limits.yaml").read_text()
 
 
+def test_accelerations_are_those_of_the_table() -> None:
+    """And jerks; the option wins."""
+    joints = [
+        replace(joint, limits=replace(joint.limits, acceleration=4.5, jerk=60.0 if number else None))
+        for number, joint in enumerate(dh2urdf.convert(TABLES / "ur5.csv").robot.moving_joints)
+    ]
+    first, *others = yaml.safe_load(planning_limits(joints, None))["joint_limits"].values()
+    assert {limits["max_acceleration"] for limits in (first, *others)} == {4.5}
+    assert "max_jerk" not in first
+    assert {(limits["has_jerk_limits"], limits["max_jerk"]) for limits in others} == {(True, 60.0)}
+    chosen = yaml.safe_load(planning_limits(joints, 3.0))["joint_limits"].values()
+    assert {limits["max_acceleration"] for limits in chosen} == {3.0}
+
+
 @pytest.mark.parametrize("table", ["ur5.csv", "panda.yaml", "scara.csv"])
 def test_fewer_than_six_joints_reach_positions(package: Any, table: str) -> None:
     """The solver is asked for positions only, and a notice reports it."""
@@ -143,7 +159,7 @@ def test_fewer_than_six_joints_reach_positions(package: Any, table: str) -> None
     assert solver.get("position_only_ik", False) is has_few
     messages = [problem.message for problem in EMITTER.can(GivesNotices).notices(robot, OPTIONS)]
     assert any("leaves orientations free" in message for message in messages) is has_few
-    assert any("no table has accelerations" in message for message in messages)
+    assert any("the table has no acceleration of" in message for message in messages)
     assert not any(
         "acceleration" in problem.message for problem in EMITTER.can(GivesNotices).notices(robot, Ros2Options())
     )

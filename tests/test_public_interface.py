@@ -53,6 +53,7 @@ PUBLIC = {
     "dh2urdf.results": "the types of reports as plain data, for type checkers",
     "dh2urdf.robot": "what will be written: transforms make it, emitters take it",
     "dh2urdf.robot_check": "the rules that every robot keeps",
+    "dh2urdf.robot_check.contacts": "capsules around shapes, and arms of a cell that overlap where their joints start",
     "dh2urdf.rotations": "rotations and rigid transforms, exact at quarter turns",
     "dh2urdf.source": "a place in a file, and a problem there",
     "dh2urdf.stages": "the records that a plugin gives, one for each kind of stage",

@@ -6,22 +6,17 @@ import math
 from typing import TYPE_CHECKING
 
 from dh2urdf.manipulator import JointType
+from dh2urdf.robot_check.contacts import initial_position
 
 if TYPE_CHECKING:
     from dh2urdf.robot import Joint
+
+__all__ = ["SLIDING", "STEP", "initial_position", "stepped"]
 
 STEP = 0.2
 """A step of a joint's target that servos follow [rad]."""
 SLIDING = 0.25
 """Travel of a prismatic joint that counts like 1 rad of a revolute one [m]."""
-
-
-def initial_position(joint: Joint) -> float:
-    """Where a joint starts: at 0, or in the middle of its limits where 0 is outside [rad or m]."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.type is JointType.CONTINUOUS or lower is None or upper is None or lower <= 0.0 <= upper:
-        return 0.0
-    return 0.5 * lower + 0.5 * upper
 
 
 def stepped(joint: Joint, steps: float) -> float:

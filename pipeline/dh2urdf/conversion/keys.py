@@ -51,7 +51,7 @@ def recipe_key(recipe: Recipe) -> str:
                 digest = file_digest(file, "sha256").hexdigest()
             files.append((str(path), digest))
     python = sys.version_info[:2]
-    told = (sorted(recipe.optional), sorted(recipe.missing.items()))
+    told = (sorted(recipe.optional), sorted(recipe.missing.items()), sorted(recipe.only.items()))
     own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)
     return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), own)
 

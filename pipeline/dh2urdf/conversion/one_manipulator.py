@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
 
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
@@ -52,6 +52,9 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
+Only: TypeAlias = Literal["arms", "cells"]
+"""What an emitter writes that does not write both."""
+
 I = TypeVar("I")  # noqa: E741 - what a reader yields
 
 
@@ -79,6 +82,7 @@ class Recipe:
         transform: makes the robot.
         edits: change the table before the transform, and the robot after it, in their order.
         emitters: make the files.
+        only: by the names of emitters, what they write that do not write both arms and cells.
         loaders: load the files into simulators.
         optional: the names of the loaders whose failures are notices.
         missing: of these, what is not installed that they need, by their names.
@@ -93,6 +97,7 @@ class Recipe:
     transform: Call[Transform[Any]]
     emitters: tuple[Call[Emitter[Any]], ...]
     edits: tuple[Call[Edit[Any]], ...] = ()
+    only: Mapping[str, Only] = field(default_factory=dict)
     loaders: tuple[Call[Loader[Any]], ...] = ()
     optional: frozenset[str] = frozenset()
     missing: Mapping[str, str] = field(default_factory=dict)
@@ -112,6 +117,11 @@ class Recipe:
     def calls(self) -> tuple[Call[Any], ...]:
         """The stages that make and look at files."""
         return (self.transform, *self.edits, *self.emitters, *self.loaders)
+
+    def of(self, what: Only) -> Recipe:
+        """What is done with arms by themselves, or with cells."""
+        emitters = tuple(call for call in self.emitters if self.only.get(call.stage.name, what) == what)
+        return replace(self, emitters=emitters)
 
     @property
     def makes_many_at_once(self) -> bool:

@@ -56,7 +56,10 @@ def make_item(
         raise RobotError(problems)
     edited = replace(item, manipulators=tables)
     composed = compose(edited, robots)
-    robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, item.mark)))
+    found = _found_wrong(composed, item.mark)
+    if item.call.notices:  # Arms at one place, which has been reported, overlap.
+        found = [notice for notice in found if notice.code != "arms-overlap"]
+    robot = replace(composed, notices=(*composed.notices, *found))
     return robot, expected_poses_of(edited, robots)
 
 

@@ -72,10 +72,8 @@ def time_limit_of(recipe: Recipe, loaders: Sequence[Call[Loader[Any]]]) -> float
 
 def not_loaded(recipe: Recipe, outcome: Outcome, *, is_sampled: bool) -> dict[str, NotLoaded]:
     """Return the loaders of a run that a manipulator did not go through, and why."""
-    if outcome.loads:
-        return {}
     why: NotLoaded = "no file" if outcome.status == "failed" or is_sampled else "not in the sample"
-    return {call.stage.name: why for call in recipe.loaders}
+    return {call.stage.name: why for call in recipe.loaders if call.stage.name not in outcome.loads}
 
 
 def picture_endings(recipe: Recipe) -> list[str]:
@@ -116,7 +114,9 @@ def load_with_all(  # noqa: PLR0917 - what is known of a manipulator with files
     verdicts: dict[str, Verdict] = {}
     pictures: dict[str, bytes] = {}
     failures: list[ManipulatorError | InputError] = []
-    for call, ending in zip(recipe.loaders, picture_endings(recipe), strict=True):
+    formats = {emitted.stage for emitted in written}
+    calls = zip(recipe.loaders, picture_endings(recipe), strict=True)
+    for call, ending in ((call, ending) for call, ending in calls if formats.intersection(call.stage.formats)):
         name, is_optional = call.stage.name, call.stage.name in recipe.optional
         unmeasured = LoadReport(simulator=name, version="")
         if why := recipe.missing.get(name):

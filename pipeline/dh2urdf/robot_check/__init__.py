@@ -60,6 +60,10 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
         problems += _body_problems(link, joint_to.get(link.name), is_foreign=link.name in foreign)
         problems += _shape_problems(link, joint_to.get(link.name))
     problems += [*_weightless_chains(robot, joint_to), *_formula_problems(robot)]
+    if robot.arms and all(problem.severity == "notice" for problem in problems):
+        from dh2urdf.robot_check.contacts import arm_overlaps
+
+        problems += arm_overlaps(robot)
     return tuple(problem.about(robot=robot.name) for problem in problems)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.cells.cell import CellCall
-from dh2urdf.conversion.one_manipulator import Sample
+from dh2urdf.conversion.one_manipulator import Only, Sample
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml, read_yaml
 from dh2urdf.documents.text_files import is_file, read_bytes
 from dh2urdf.errors import ConfigError
@@ -51,6 +51,7 @@ class StageCall:
     stage: str | None = None  # None is the usual one of its kind
     options: Node | None = None
     mark: Mark | None = None
+    only: Only | None = None  # of an emitter: whether it writes only arms by themselves, or only cells
     optional: bool = False  # of a loader: whether what it refuses is a notice and fails nothing
     time_limit: float = keys.DEFAULT_TIME_LIMIT  # of an executor: for one manipulator, simulators aside [s]
 
@@ -163,11 +164,15 @@ def _config(root: Node, to: Reading) -> RunConfig:
         to.note("no-inputs", given["inputs"], "inputs")
     if not entries["emitters"]:
         to.note("no-emitters", given["emitters"], "emitters")
+    emitters = stages("emitters", keys.EmitterSection)
+    for node, place in entries["emitters"] if not entries["cells"] else ():
+        if (only := node.entry("only")) and only.value == "cells":
+            to.note("emitter-without-cells", only, f"{place}.only")
     sample = to.record(keys.SampleSection, given["sample"], "sample") or keys.SampleSection()
     return RunConfig(
         inputs=tuple(each for each in inputs if each),
         transform=_stage(keys.StageSection, given["transform"], "transform", to) or StageCall(),
-        emitters=stages("emitters", keys.StageSection),
+        emitters=emitters,
         loaders=stages("loaders", keys.LoaderSection),
         execution=_stage(keys.ExecutionSection, given["execution"], "execution", to) or StageCall(),
         output=_output(given["output"], to),
@@ -190,7 +195,7 @@ def _stage(kind: type[Any], node: Node, field: str, to: Reading) -> StageCall | 
     if given is None:
         name = named.text if named else None
         return StageCall(stage=name, mark=mark) if name else None
-    others = {name: getattr(given, name) for name in ("optional", "time_limit") if hasattr(given, name)}
+    others = {name: getattr(given, name) for name in ("only", "optional", "time_limit") if hasattr(given, name)}
     return StageCall(stage=given.stage, options=node.entry("options"), mark=mark, **others)
 
 

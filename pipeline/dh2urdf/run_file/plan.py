@@ -80,6 +80,11 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         emitters=tuple(call for call in emitters if call),
         edits=tuple(call for call in edits if call),
         loaders=tuple(call for call in loaders if call),
+        only={
+            call.stage.name: each.only
+            for call, each in zip(emitters, config.emitters, strict=True)
+            if call and each.only
+        },
         optional=frozenset(
             call.stage.name for call, each in zip(loaders, config.loaders, strict=True) if call and each.optional
         ),

@@ -92,6 +92,15 @@ class NamedStageSection:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EmitterSection(StageSection):
+    """An emitter."""
+
+    only: Literal["arms", "cells"] | None = key(
+        "whether it writes only arms by themselves, or only cells; both by default", None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoaderSection(NamedStageSection):
     """A loader."""
 
@@ -335,7 +344,7 @@ class RunFile:
     edits: tuple[NamedStageSection, ...] = key(
         "what changes the tables before the transform, or the robots after it, in order; none by default", ()
     )
-    emitters: Annotated[tuple[StageSection, ...], Field(min_length=1)] = key("what writes files", (StageSection(),))
+    emitters: Annotated[tuple[EmitterSection, ...], Field(min_length=1)] = key("what writes files", (EmitterSection(),))
     loaders: tuple[LoaderSection, ...] = key("what loads the files; none by default", ())
     output: OutputKeys = key("where the output goes: a folder or an address, alone or with its layout", OutputKeys())
     execution: ExecutionSection = key("what does the work", ExecutionSection())
@@ -345,7 +354,7 @@ class RunFile:
 
 
 SHORT_FORMS: dict[type[Any], str] = {
-    **dict.fromkeys((StageSection, NamedStageSection, LoaderSection, ExecutionSection), "stage"),
+    **dict.fromkeys((StageSection, NamedStageSection, EmitterSection, LoaderSection, ExecutionSection), "stage"),
     InputSection: "path",
     MeshSection: "file",
     MeshOutputSection: "names",

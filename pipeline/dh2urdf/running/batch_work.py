@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import orjson
 
+from dh2urdf.cells.cell import Cell
 from dh2urdf.conversion.keys import column_keys, key_of, whole
 from dh2urdf.conversion.one_manipulator import (
     Recipe,
@@ -120,7 +121,8 @@ class Work:
     """A batch on its way: what it has to make, what of it an earlier run has made, and the making."""
 
     def __init__(self, worker: BatchWorker, batch: Batch) -> None:
-        self.worker, self.recipe, self.batch = worker, worker.recipe, batch
+        self.worker, self.batch = worker, batch
+        self.recipe, self.of_cells = worker.recipe.of("arms"), worker.recipe.of("cells")
         self.seconds: defaultdict[str, float] = defaultdict(float)
         self.singles = dict(batch.singles)
         self.drawn: dict[int, dict[str, DrawnValue]] = {}
@@ -129,7 +131,7 @@ class Work:
         self.faults: dict[int, tuple[Problem, ...]] = {}
         self.earlier = EarlierFiles(worker.store, worker.layout)
         self.copies = MeshCopies(
-            worker.store, self.earlier, self.recipe.mesh_prefix if self.recipe.copies_meshes else None
+            worker.store, self.earlier, worker.recipe.mesh_prefix if worker.recipe.copies_meshes else None
         )
         with timed(self.seconds, "draw"):
             for start, variants in batch.variants:
@@ -400,6 +402,7 @@ class Work:
     def _one(self, place: int) -> Outcome:
         """What becomes of one manipulator, in whatever way it fails."""
         what, batch = self.what(place), self.batch
+        recipe = self.of_cells if isinstance(what, Cell) else self.recipe
         index = batch.first + place
         seconds: dict[str, float] = defaultdict(float)
         # What its table was read with is reported with the nominal manipulator, not with each of its variants.
@@ -409,7 +412,7 @@ class Work:
             status="planned" if self.worker.effect is Depth.LOOK else "ok",
             source=batch.sources[place],
             drawn=self.drawn.get(place, {}),
-            keeps_kinematics=self.recipe.keeps_kinematics,
+            keeps_kinematics=recipe.keeps_kinematics,
             notices=(*own, *batch.notices.get(place, ()), *self.faults.get(place, ())),
             seconds=seconds,
         )
@@ -418,12 +421,12 @@ class Work:
                 raise TableError(what.problems)
             if isinstance(what, Doomed):
                 raise what.error
-            is_loaded = self.worker.effect is Depth.MAKE and index in self.recipe.sample
-            loaders = self.recipe.loaders if is_loaded else ()
-            with watched(self.worker.home, time_limit_of(self.recipe, loaders)):
+            is_loaded = self.worker.effect is Depth.MAKE and index in recipe.sample
+            loaders = recipe.loaders if is_loaded else ()
+            with watched(self.worker.home, time_limit_of(recipe, loaders)):
                 with timed(seconds, "transform"):
-                    robot, expected = make_item(what, self.recipe.transform, self.recipe.edits)
-                    robot = with_notices(with_copies(robot, self.recipe), self.recipe.emitters)
+                    robot, expected = make_item(what, recipe.transform, recipe.edits)
+                    robot = with_notices(with_copies(robot, recipe), recipe.emitters)
                 outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
                 if self.worker.effect is Depth.LOOK:
                     return outcome
@@ -432,22 +435,22 @@ class Work:
                         written = emit_robot(
                             expected,
                             robot,
-                            self.recipe,
+                            recipe,
                             folder=folder,
                             stem=batch.stems[place],
                             place=f"{self.worker.store}/{self.worker.layout.path(index, '')}".rstrip("/"),
-                            proved=index in self.recipe.proved,
-                            sampled=index in self.recipe.sample,
+                            proved=index in recipe.proved,
+                            sampled=index in recipe.sample,
                             alone=index == 0,
                             at_once=True,
                         )
-                    for call, made in zip(self.recipe.emitters, written, strict=True):
+                    for call, made in zip(recipe.emitters, written, strict=True):
                         refuse_undeclared_files(call, [batch.stems[place]], [made.files])
                     outcome = replace(outcome, written=written, meshes=self.copies.of(robot))
                     if loaders:
                         stem, kept = batch.stems[place], self.worker.children
                         loads, pictures, failures = load_with_all(
-                            expected, robot, self.recipe, written, folder, stem, seconds, kept
+                            expected, robot, recipe, written, folder, stem, seconds, kept
                         )
                         outcome = replace(outcome, loads=loads, pictures=pictures)
                         if failures:

@@ -417,7 +417,7 @@ class BatchSizes:
     """
 
     def __init__(self, plan: Plan) -> None:
-        self._recipe = plan.recipe
+        self._recipe = plan.recipe.of("arms")
         self._whole = plan.layout.whole
         workers = getattr(plan.executor.options, "workers", None)
         if not isinstance(workers, int):

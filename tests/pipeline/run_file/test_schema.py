@@ -109,6 +109,8 @@ def test_the_schema_is_a_schema(schema: dict[str, Any]) -> None:
         "{inputs: a, variations: {of: b, count: 5, vary: {joints: [1, elbow], field: d, normal: {deviation: 1 mm, bounds: [0, 1]}}}}",
         "{inputs: a, variations: {of: b, vary: {joints: all, field: d, grid: {from: 0, to: 1, points: 3}}}}",
         "{inputs: a, cells: [{name: p, arms: [{name: l, of: u, prefix: '', parent: r/tool0, xyz: [0, 5 mm, pi], rpy: [0, 0, 0]}]}]}",
+        "{inputs: a, cells: {name: p, combine: all, arms: {name: l, of: v}, vary: {arm: l, field: yaw, offset: [-5 deg, 0]}}}",
+        "{inputs: a, emitters: [{stage: urdf, only: cells}, {stage: dot, only: arms, options: {}}, {only: arms}]}",
     ],
 )
 def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
@@ -131,6 +133,10 @@ def test_good_run_files_are_valid(schema: dict[str, Any], text: str) -> None:
         "{inputs: a, variations: {of: b, count: 5, vary: {joints: 2, field: a}}}",
         "{inputs: a, variations: {of: b, count: 5, vary: {joints: 2, field: axes, choices: [4]}}}",
         "{inputs: a, cells: {name: pair, arms: [{name: left, of: ur5, parrent: world}]}}",
+        "{inputs: a, cells: {name: p, arms: {name: l, of: v}, vary: {arm: l, field: a, offset: [0, 1]}}}",
+        "{inputs: a, cells: {name: p, arms: {name: l, of: v}, vary: {arm: l, field: x}}}",
+        "{inputs: a, emitters: {stage: urdf, only: tables}}",
+        "{inputs: a, loaders: {stage: sim, only: cells}}",
     ],
 )
 def test_wrong_run_files_are_not_valid(schema: dict[str, Any], text: str) -> None:

@@ -14,8 +14,9 @@ import pytest
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.robot import Box, Cylinder, Sphere
+from dh2urdf.robot_check.contacts import capsule_distance
 from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
-from dh2urdf_plugins.formats.mjcf.home_contacts import _distance, touching_at_home
+from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.writer import DEEPEST
 from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import gravity_loads
@@ -380,4 +381,4 @@ def test_capsules_are_as_far_apart_as_in_mujoco(seed: int) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     found = mujoco.mj_geomDistance(model, data, 0, 1, 10.0, None)
-    assert _distance(*capsules) == pytest.approx(found, abs=1e-6)  # type: ignore[arg-type]
+    assert capsule_distance(*capsules) == pytest.approx(found, abs=1e-6)  # type: ignore[arg-type]

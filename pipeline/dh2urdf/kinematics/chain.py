@@ -305,11 +305,15 @@ def screws_of_chain(chain: KinematicChain, q: JointVector | None = None) -> tupl
     """The axes of a chain's moving joints at a joint vector [rad or m], at zero without it, and T(root → tip)."""
     compiled = compile_joints(chain.joints, with_axes=True)
     *frames, tip = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(chain.moving)))]
-    screws = [
+    return screws_in_links(chain, frames), tip
+
+
+def screws_in_links(chain: KinematicChain, frames: Sequence[RigidTransform]) -> list[Screw]:
+    """The axes of a chain's moving joints, given the frames of their children in the root link; takes columns."""
+    return [
         Screw(rotate(frame.rotation, joint.axis), frame.translation, joint.type is JointType.PRISMATIC)
         for joint, frame in zip(chain.moving, frames, strict=True)
     ]
-    return screws, tip
 
 
 def joint_motion(joint: Joint, value: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike

@@ -1,4 +1,4 @@
-"""Inverse kinematics: a joint vector inside the limits that brings tool0 to a pose, or as near as it comes.
+"""Inverse kinematics: a joint vector inside the limits that brings a link to a pose, or as near as it comes.
 
 Levenberg-Marquardt on the geometric Jacobian (Sugihara, Solvability-Unconcerned Inverse Kinematics by the
 Levenberg-Marquardt Method, IEEE T-RO 27, 2011), with joints that are held at a limit while the step leads out of it.
@@ -12,23 +12,36 @@ are in m, and are not weighed against angles.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import Record
-from dh2urdf.kinematics.chain import angle_error, compile_table, position_error, reach, screws_in_frames
+from dh2urdf.kinematics.chain import (
+    angle_error,
+    compile_joints,
+    compile_table,
+    position_error,
+    reach,
+    screws_in_frames,
+    screws_in_links,
+)
 from dh2urdf.kinematics.joint_vectors import joint_values
-from dh2urdf.kinematics.pose_arrays import jacobian_of, joints_of, table_jacobian
+from dh2urdf.kinematics.pose_arrays import Way, jacobian_of, joints_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import TOOL, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Messages
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from dh2urdf.manipulator import JointVectors, Manipulator
+    from dh2urdf.kinematics.joint_vectors import JointNames
+    from dh2urdf.manipulator import DHRow, JointVectors
+    from dh2urdf.robot import Joint, Robot
 
     Vector = NDArray[np.float64]
 
@@ -47,11 +60,11 @@ _FUNCTION = "inverse_kinematics()"
 
 
 class InverseSolution(NamedTuple):
-    """The joint vector that brings tool0 nearest to a pose.
+    """The joint vector that brings a link nearest to a pose.
 
     Attributes:
-        q: one value per moving joint, inside its limits [rad or m].
-        position_error: how far tool0 is from the pose [m].
+        q: one value per moving joint on the way to the link, inside its limits [rad or m].
+        position_error: how far the link is from the pose [m].
         angle_error: the angle between them [rad].
         reached: whether both are rounding only.
     """
@@ -68,33 +81,35 @@ class _Target(Record):
 
 
 def inverse_kinematics(
-    manipulator: Manipulator,
+    manipulator: Manipulator | Robot,
     pose: RigidTransform | ArrayLike,
     start: JointVectors | None = None,
     *,
+    link: str = TOOL,
     attempts: int = ATTEMPTS,
 ) -> InverseSolution:
-    """A joint vector that brings tool0 to a pose.
+    """A joint vector that brings a link to a pose, through all joints from the root to the link.
 
     Args:
-        manipulator: the arm.
-        pose: T(base_link → tool0), as a transform or as a 4x4 matrix.
-        start: the joint vector to begin at, as `Manipulator.fk` takes it; by default the middle of the limits, or 0.
-            The solution is usually the one nearest to it.
+        manipulator: the arm; or a robot, such as a cell, where an arm may be on the tool of another one.
+        pose: T(base_link → tool0) of an arm, T(root → link) of a robot, as a transform or as a 4x4 matrix.
+        start: the joint vector to begin at, as `Manipulator.fk` and `Robot.fk` accept it; by default the middle of
+            the limits, or 0. The solution is usually the one nearest to it.
+        link: the link of a robot: in a cell the tool0 of an arm has the arm's prefix. Of an arm it is tool0.
         attempts: how many joint vectors to begin at. 1 follows a target without a change of branch.
 
     Returns:
         The first solution that reaches the pose; else the nearest that was found.
 
     Raises:
-        RecordError: the pose is none, or the start is no joint vector of the arm.
+        RecordError: the pose is none, the start is no joint vector of the arm, or there is no such link.
     """
     import numpy as np
 
     target = _Target(pose).pose  # type: ignore[arg-type]  # a record takes matrices
     if attempts < 1:
         raise RecordValueError(say("no-attempts", Mark(file=_FUNCTION), field="attempts", attempts=attempts))
-    search = _PoseSearch(manipulator, target)
+    search = _PoseSearch(_moved_link(manipulator, link), target)
     if start is None:
         first = search.middle
     else:
@@ -113,18 +128,62 @@ def inverse_kinematics(
     return best
 
 
+class _MovedLink(NamedTuple):
+    """The link that is to reach a pose, and what moves it."""
+
+    names: JointNames
+    moving: Sequence[DHRow | Joint]  # the joints that move by themselves, with their types and limits
+    reach: float  # distance from the root to the link at most, prismatic joints at 0 [m]
+    # frames by which the axes are known, and that of the link at last, in the root link, from one value for each joint
+    frames: Callable[[Sequence[float]], list[RigidTransform]]
+    # the geometric Jacobian of shape (6, n), given these frames and values
+    jacobian: Callable[[Sequence[RigidTransform], Sequence[float]], Vector]
+
+
+def _moved_link(model: Manipulator | Robot, link: str) -> _MovedLink:
+    if isinstance(model, Manipulator):
+        if link != TOOL:
+            raise RecordValueError(say("link-of-table", Mark(file=_FUNCTION), field="link", found=link))
+        table, compiled = model, CompiledChain()
+        compile_table(compiled, table, with_frames=True)
+        compiled.stop()
+
+        def of_table(frames: Sequence[RigidTransform], _: Sequence[float]) -> Vector:
+            return jacobian_of(screws_in_frames(table, frames[:-1]), frames[-1].translation, (), _FUNCTION)
+
+        walk = partial(_walked, compiled)
+        return _MovedLink(joints_of(table, _FUNCTION), table.moving_rows, reach(table), walk, of_table)
+    way = Way.to(model, link, _FUNCTION)
+    by_name = {joint.name: joint for joint in model.joints}
+    joints = compile_joints(way.chain.joints, with_axes=True)
+
+    def of_robot(frames: Sequence[RigidTransform], values: Sequence[float]) -> Vector:
+        screws = screws_in_links(way.chain, frames[:-1])
+        columns = jacobian_of(screws, frames[-1].translation, (), _FUNCTION)
+        return way.led(columns, values) if way.followers else columns
+
+    return _MovedLink(
+        names=way.names,
+        moving=[by_name[name] for name in way.names.moving],
+        reach=sum(norm(joint.origin.xyz) for joint in way.chain.joints),
+        frames=lambda values: _walked(joints, way.moved(values)),
+        jacobian=of_robot,
+    )
+
+
+def _walked(chain: CompiledChain, values: Sequence[float]) -> list[RigidTransform]:
+    return [frame.transform for frame in chain.walk(values_of(values))]
+
+
 class _PoseSearch:
     """The way down from a joint vector to one that is nearer to a pose."""
 
-    def __init__(self, manipulator: Manipulator, target: RigidTransform) -> None:
+    def __init__(self, link: _MovedLink, target: RigidTransform) -> None:
         import numpy as np
 
-        self._arm, self._target = manipulator, target
-        self._chain = CompiledChain()
-        compile_table(self._chain, manipulator, with_frames=True)
-        self._chain.stop()
-        rows = manipulator.moving_rows
-        self.names = joints_of(manipulator, _FUNCTION)
+        self._link, self._target = link, target
+        rows = link.moving
+        self.names = link.names
         self.lower = np.array([-np.inf if row.limits.lower is None else row.limits.lower for row in rows])
         self.upper = np.array([np.inf if row.limits.upper is None else row.limits.upper for row in rows])
         with np.errstate(invalid="ignore"):
@@ -138,7 +197,7 @@ class _PoseSearch:
         self._turns = np.array([row.type is not JointType.PRISMATIC for row in rows], dtype=bool)
         ends = np.abs(np.concatenate([self.lower[~self._turns], self.upper[~self._turns]]))
         travel = float(ends[np.isfinite(ends)].sum())
-        self._length = max(reach(manipulator) + travel, norm(target.translation), 1e-6)
+        self._length = max(link.reach + travel, norm(target.translation), 1e-6)
         # A prismatic joint counts in reaches, as a revolute one in radians.
         self._scale = np.where(self._turns, 1.0, self._length)
         self.start = self.middle
@@ -156,9 +215,7 @@ class _PoseSearch:
             cost = float(error @ error)
             if cost <= (1e-3 * REACHED) ** 2 or not len(q):
                 break
-            *before, tool0 = frames
-            screws = screws_in_frames(self._arm, before)
-            jacobian = jacobian_of(screws, tool0.translation, (), _FUNCTION) * self._scale
+            jacobian = self._link.jacobian(frames, q.tolist()) * self._scale
             jacobian[:3] /= self._length
             downhill = jacobian.T @ error
             free = ~(((q <= self.lower) & (downhill < 0.0)) | ((q >= self.upper) & (downhill > 0.0)))
@@ -191,8 +248,8 @@ class _PoseSearch:
         return InverseSolution(tuple(q.tolist()), position, angle, is_there)
 
     def _frames(self, q: Vector) -> list[RigidTransform]:
-        """The DH frames 0 … N and tool0 in base_link."""
-        return [frame.transform for frame in self._chain.walk(values_of(q.tolist()))]
+        """The frames by which the axes are known and that of the link, in the root link."""
+        return self._link.frames(q.tolist())
 
     def _at(self, q: Vector) -> tuple[list[RigidTransform], Vector]:
         """The frames, and what leads from tool0 to the target.

@@ -108,7 +108,7 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
 
 def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
-    way = _Way.to(robot, tip, "Robot.fk()")
+    way = Way.to(robot, tip, "Robot.fk()")
     values, shape = joint_values(q, way.names)
     return _matrices(way.chain.forward_kinematics(way.moved(values)), shape, way.names.function)
 
@@ -130,14 +130,14 @@ def robot_poses(robot: Robot, q: Any) -> dict[str, Matrices]:  # noqa: ANN401 - 
 
 def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
-    way = _Way.to(robot, tip, "Robot.jacobian()")
+    way = Way.to(robot, tip, "Robot.jacobian()")
     values, shape = joint_values(q, way.names)
     screws, end = screws_of_chain(way.chain, way.moved(values))
     columns = jacobian_of(screws, end.translation, shape, way.names.function)
     return way.led(columns, values) if way.followers else columns
 
 
-class _Way(NamedTuple):
+class Way(NamedTuple):
     """The joints on the way from the root to a link, and those that they follow."""
 
     chain: KinematicChain
@@ -145,7 +145,8 @@ class _Way(NamedTuple):
     followers: dict[str, Follower]
 
     @classmethod
-    def to(cls, robot: Robot, tip: str, function: str) -> _Way:
+    def to(cls, robot: Robot, tip: str, function: str) -> Way:
+        """The way to a link, for a public function that messages name."""
         chain, followers = KinematicChain.of(joints_between(robot, robot.root, tip)), robot.followers
         moving = tuple(dict.fromkeys(filter(None, (leader_of(joint.name, followers) for joint in chain.moving))))
         known = tuple(joint.name for joint in robot.actuated_joints if joint.name not in moving)

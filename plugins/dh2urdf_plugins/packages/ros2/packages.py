@@ -26,7 +26,7 @@ from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
 from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
 from dh2urdf_plugins.packages.ros2 import description_xacro as xacros, package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.srdf import srdf
-from dh2urdf_plugins.packages.srdf.semantics import arms_of, groups
+from dh2urdf_plugins.packages.srdf.semantics import arms_of, chains, groups
 from dh2urdf_plugins.ros_conventions import VERSION
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     arms, description, controlled = yamls.arm_joints(robot), f"{name}_description", options.controlled
     yield f"config/{name}.srdf", srdf(robot, options, options.group)
     yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
-    yield "config/kinematics.yaml", yamls.kinematics(groups(robot, options.group))
+    yield "config/kinematics.yaml", yamls.kinematics([*groups(robot, options.group), *chains(robot, options.group)])
     yield "config/joint_limits.yaml", yamls.planning_limits(robot.moving_joints, options.acceleration)
     yield "config/moveit_controllers.yaml", yamls.moveit_controllers(arms)
     if controlled:

@@ -18,7 +18,7 @@ from dh2urdf_plugins.formats.urdf.writer import Notation
 from dh2urdf_plugins.home_pose import initial_position
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Joint, Robot
+    from dh2urdf.robot import Arm, Joint, Robot
     from dh2urdf_plugins.collision_pairs.search import CollisionPairs
 
 say = Messages(__file__)
@@ -55,6 +55,34 @@ def groups(robot: Robot, name: str) -> list[Group]:
     return found
 
 
+def chains(robot: Robot, name: str) -> list[Group]:
+    """A group for each arm on another arm, from where the lowest one stands; none for what an arm holds as its tool."""
+    owners = {arm.prefix + link.name: arm for arm in robot.arms for link in arm.kind.links}
+    own = {group.tip: group for group in groups(robot, name)}
+    taken = {EVERY_ARM, *(group.name for group in own.values())}
+    found = []
+    for arm in robot.arms:
+        group = next((each for tip, each in own.items() if owners[tip] is arm), None)
+        holders = [arm]
+        while holder := owners.get(holders[0].parent):
+            holders.insert(0, holder)
+        if group is None or len(holders) == 1 or _is_tool(arm, holders[-2]):
+            continue
+        base = holders[0].prefix + holders[0].kind.root
+        joints = KinematicChain.between(robot, base, group.tip).moving
+        if len(joints) > len(group.joints):
+            chain = free_name("_".join((*(each.name for each in holders), name)), taken)
+            taken.add(chain)
+            found.append(Group(chain, base, group.tip, joints))
+    return found
+
+
+def _is_tool(arm: Arm, holder: Arm) -> bool:
+    """Whether an arm is what another one holds, such as a gripper: at its flange or tool, with fewer joints."""
+    is_at_end = arm.parent in {holder.prefix + end for end in ENDS}
+    return is_at_end and 0 < len(arm.kind.moving_joints) < len(holder.kind.moving_joints)
+
+
 def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._Element:
     """The SRDF of a robot or a cell."""
     notation = Notation()
@@ -64,7 +92,8 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
         held = {"name": name, "type": "fixed", "parent_frame": WORLD, "child_link": robot.root}
         _append(root, "virtual_joint", held, notation)
     found = groups(robot, group_name)
-    for group in found:
+    whole = chains(robot, group_name)
+    for group in (*found, *whole):
         element = _append(root, "group", {"name": group.name}, notation)
         _append(element, "chain", {"base_link": group.base, "tip_link": group.tip}, notation)
     if len(found) > 1:
@@ -72,18 +101,16 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
         for group in found:
             _append(element, "group", {"name": group.name}, notation)
         found.append(Group(EVERY_ARM, "", "", tuple(joint for group in found for joint in group.joints)))
-    for group in found:
+    for group in (*found, *whole):
         positions = [initial_position(joint) for joint in group.joints]
         element = _append(
             root, "group_state", {"name": "home" if any(positions) else "zero", "group": group.name}, notation
         )
         for joint, position in zip(group.joints, positions, strict=True):
             _append(element, "joint", {"name": joint.name, "value": format_numbers((position,))[0]}, notation)
-    # What arms of a cell hold: another one at the flange or the tool that moves fewer joints, such as a gripper.
     arms = {arm.prefix + end: arm for arm in robot.arms for end in ENDS}
     for arm in robot.arms:
-        holder = arms.get(arm.parent)
-        if holder and 0 < len(arm.kind.moving_joints) < len(holder.kind.moving_joints):
+        if (holder := arms.get(arm.parent)) and _is_tool(arm, holder):
             own, parent = (each.prefix + group_name for each in (arm, holder))
             words = {"name": arm.name, "parent_link": arm.parent, "group": own, "parent_group": parent}
             _append(root, "end_effector", words, notation)

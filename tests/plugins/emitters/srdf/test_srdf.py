@@ -145,9 +145,10 @@ def test_a_cell_has_a_group_for_each_arm_and_one_of_all(cli: Cli, tmp_path: Path
     semantic, model = checked((out / "workshop.srdf").read_bytes(), (out / "workshop.urdf").read_bytes())
     assert semantic.findall("virtual_joint") == []
     groups = {group.get("name"): group for group in semantic.findall("group")}
-    assert list(groups) == ["track_manipulator", "rider_manipulator", "f_manipulator", "all"]
+    arms = ["track_manipulator", "rider_manipulator", "f_manipulator"]
+    assert list(groups) == [*arms, "track_rider_manipulator", "all"]
     assert dict(groups["rider_manipulator"][0].attrib) == {"base_link": "rider_base_link", "tip_link": "rider_tool0"}
-    assert [each.get("name") for each in groups["all"]] == list(groups)[:3]
+    assert [each.get("name") for each in groups["all"]] == arms
     states = {state.get("group"): [each.get("name") for each in state] for state in semantic.findall("group_state")}
     moving = [each.get("name") for each in model.findall("joint") if each.get("type") != "fixed"]
     assert sorted(states["all"]) == sorted(moving)

@@ -19,7 +19,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from multiprocessing import get_context
@@ -345,7 +345,7 @@ def main() -> int:
     given = parser.parse_args()
     figures, wrong, done, started = Figures(), 0, False, time.perf_counter()
     parts = run_all(given.seed, cases(given.seed, given.tables), given.workers, keep_going=given.keep_going)
-    with suppress(KeyboardInterrupt):  # what was done until then is printed
+    try:
         for part, messages in parts:
             figures.add(part)
             wrong += len(messages)
@@ -358,6 +358,8 @@ def main() -> int:
                 break
         else:
             done = True
+    except KeyboardInterrupt:
+        print("interrupted: what was done until then", file=sys.stderr, flush=True)
     print(f"tables     {figures.tables:9,}\nfiles      {figures.files:9,}\nreadings   {figures.readings:9,}")
     print(f"read fast  {figures.fast:9,}")
     print(f"dialects   {len(figures.dialects):9,}")

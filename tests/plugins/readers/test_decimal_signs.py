@@ -32,6 +32,7 @@ KINDS: dict[str, tuple[float, float] | None] = {
     "1,250;0;0,5": (1.25, 0.5),
     "−87,456;0;0,5 mm": (-87.456, 0.5),
     "0,250;0;0": (0.25, 0.0),
+    "-1112,155;0;3": (-1112.155, 3.0),
     "1,250;0;1,100": None,
     "1,250;0;3": None,
     "1.250;0;0,5": None,
@@ -43,7 +44,7 @@ KINDS: dict[str, tuple[float, float] | None] = {
 @pytest.mark.parametrize(("row", "expected"), KINDS.items())
 @pytest.mark.parametrize("delimiter", [";", "\t"])
 def test_what_a_comma_means(row: str, expected: tuple[float, float] | None, delimiter: str, read: Read) -> None:
-    """`1,250` alone is refused, and so are both signs in one arm."""
+    """`1,250` alone is refused, and so are both signs in one arm; `1112,155` has no groups of three."""
     (arm,) = read(TOP + f"a;alpha;d\n{row}\n".replace(";", delimiter), convention="standard")
     read = lengths(arm)
     assert read == (expected and [pytest.approx([value / 1000 for value in expected], rel=1e-15)])

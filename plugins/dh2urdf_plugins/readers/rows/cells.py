@@ -31,10 +31,10 @@ _DECIMAL_COMMA = (
     rf"[-+−]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?\s*(?:[^\W\d_]{{1,3}}|[{DEGREE_SIGNS}])?(?:[/·][^\W\d_]{{1,3}})?"
 )
 _COMMA = r"[0-9],[0-9]|(?<![0-9]),[0-9]"
-_GROUPED = r"[-+−–]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])"
-"""A number whose commas may separate thousands."""
-_GROUPED_BY_POINTS = r"(?<![0-9.,])[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?![0-9])"
-"""A number whose points may separate thousands."""
+_GROUPED, _GROUPED_BY_POINTS = (
+    rf"(?<![0-9.,])[1-9][0-9]{{0,2}}(?:{sign}[0-9]{{3}})+(?![0-9])" for sign in (",", r"\.")
+)
+"""A number whose commas, or points, may separate thousands."""
 _BRACKETS = "[](){}<>"
 _PLUS_MINUS = r"(?:±|\+\s*/?\s*-|-\s*/\s*\+)\s*(.+)"
 _TO = r"\s*(?:…|\.{2,}|[~〜～至到→]|-+>|[≤<]=?[^0-9≤<]{1,9}?[0-9]{0,2}\s*[≤<]=?)\s*|\s+[-–—]\s+(?=[-+])"

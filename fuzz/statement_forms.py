@@ -34,8 +34,7 @@ def _in_words(key: str, value: Any) -> list[list[str]]:
     if key != "units" or not isinstance(value, dict) or value.keys() != {"length", "angle"}:
         return []
     length, angle = value["length"], value["angle"]
-    if length == "in":  # which is a preposition, too
-        length = "inches"
+    length, angle = {"in": "inches"}.get(length, length), {"turn": "turns"}.get(angle, angle)  # `in` and `in turn`
     return [
         [f"lengths in {length}, angles in {angle}"],
         [f"units [{length}, {angle}]"],

@@ -392,7 +392,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4140,
     "plugins/dh2urdf_plugins/loaders": 2610,
     "plugins/dh2urdf_plugins/packages": 2050,
-    "plugins/dh2urdf_plugins/readers": 7050,
+    "plugins/dh2urdf_plugins/readers": 7060,
     "plugins/dh2urdf_plugins/transforms": 2110,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6410,

@@ -22,7 +22,7 @@ PROSE = [
     "base, tool and defaults are not given", "in the lab, and not at home", "R = revolute, P = prismatic", "offset -90",
     'the "classic" arm, with "quotes"', "all joints ±170", "max. torque 50 Nm", "joint limits in degrees", "a in cm",
     "modified on 2020-01-01", "an RRRRRR arm", "not the modified DH convention", "reach of 850 millimetres",
-    "inertia in kg mm^2",
+    "inertia in kg mm^2", "lengths in m, rev. 3", "angles are given in turn", "Robot Alpha, rev 3", "m in g, I in g·m²",
     "counterclockwise is positive", "with 6 axes and a hand", "Link 1 -> Link 2: elbow", "<https://example.org/j1>",
 ]  # fmt: skip
 

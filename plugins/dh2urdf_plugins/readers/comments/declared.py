@@ -220,31 +220,39 @@ def _convention(tokens: Sequence[str]) -> Convention | None:
 
 def _units(tokens: Sequence[str]) -> dict[str, str]:
     """The units that a sentence names of all lengths, angles and so on: one of each at most."""
+    padded = ["", "", *tokens, ".", "."]
+    windows = list(zip(padded, padded[1:], tokens, padded[3:], padded[4:], strict=False))
     fields = {
         field.name
-        for before, token in pairwise(["", *tokens])
-        if not (_is("before", before) and _unit(token))  # `in m` is no mass
-        and (field := header_fields().get(key_of(token.casefold())))
-    }
+        for earlier, before, token, behind, last in windows
+        if (field := header_fields().get(key_of(token.casefold())))
+        and not (_unit(token) and (_is("before", before) or _are_units(earlier, before) or _are_units(last, behind)))
+    }  # `in m` and `m, deg` have no mass
     named = {name for name in _MEASURES if any(_is(name, token) for token in tokens)}
     if fields - _WHOLE and not named:
         return {}  # `joint limits in degrees` says nothing of other angles
+    measured = {FIELDS[name].dimension for name in fields}
     found: dict[str, set[str]] = {}
     is_alone = all(_unit(token) or token in _LISTING | _OPENING | _ENDS for token in tokens)
-    is_list = is_alone and len(list(filter(_unit, tokens))) > 1
     is_open = is_alone  # whether what is before shows that a unit is meant
     counts = {"1"} if any(_is("before", token) and _is("between", token) for token in tokens) else ()  # `unit = 1 mm`
-    padded = ["", "", *tokens, ".", "."]
-    for earlier, before, token, behind, last in zip(padded, padded[1:], tokens, padded[3:], padded[4:], strict=False):
+    for earlier, before, token, behind, last in windows:
         unit = _unit(token)
         key = KEY_OF.get(unit.dimension) if unit else None
-        is_other = (_is("no_units", token) and not is_list) or (token.casefold() == "in" and behind not in _ENDS)
+        is_for_kind = _is("for", behind) and _is(key or "", last)  # `mm for lengths`
         goes_on = _is("between", behind)
+        ends = behind in _ENDS or goes_on
+        is_other = token.casefold() == "in" and behind not in _ENDS
+        if unit and _is("no_units", token):
+            in_list = (_are_units(earlier, before) or _are_units(last, behind)) and (behind != "." or last == ".")
+            shows = before in _OPENING or before == "/" or _is("before", before)
+            is_named = shows and (key in named or unit.dimension in measured)  # `angles in rev`, and no `in turn`
+            is_unit = ends and (is_named or in_list) and not _is("no_units", f"{before} {token}")
+            is_other = not (is_unit or is_for_kind)
         if unit and key and not is_other and not _is("of", behind):
             field = FIELDS.get(earlier.casefold(), FIELDS["joint"])
-            is_last = (behind in _ENDS or goes_on) and len(token) > 1  # `metric, mm`
             is_of_field = field.name in _WHOLE and field.dimension is unit.dimension  # `a/mm`
-            is_for_kind = _is("for", behind) and _is(key, last)  # `mm for lengths`
+            is_last = ends and len(token) > 1  # `metric, mm`
             if is_open or is_for_kind or (before in _LISTING and (is_last or is_of_field)):
                 found.setdefault(key, set()).add(unit.symbol)
                 is_open = is_alone or behind in _LISTING or goes_on  # `kg mm` is one unit, and `kg, mm` are two
@@ -255,6 +263,11 @@ def _units(tokens: Sequence[str]) -> dict[str, str]:
     if len(fields & _LENGTHS) == 1 and "length" not in named:
         found.pop("length", None)  # `a in mm` says nothing of d
     return {key: units.pop() for key, units in found.items() if len(units) == 1}
+
+
+def _are_units(token: str, sign: str) -> bool:
+    """Whether a unit is a neighbour in a list: the ``mm`` of ``mm, deg``."""
+    return sign in _LISTING and _unit(token) is not None
 
 
 @lru_cache(maxsize=1024)

@@ -70,10 +70,11 @@ def _form_of(path: Path, *, named: bool = False) -> str:
     lines = list(chain.from_iterable(islice(line_blocks(path), 2)))
     form = FORMS.get(path.suffix.lower()) or form_of(lines)
     if path.suffix.lower() in (".csv", ".tsv") and form != "csv":
-        tables = [] if named or form not in ("blanks", "listing") else all_tables("\n".join(lines), str(path), form)
-        has_header = any(is_header(row) for table in tables for row in table.rows)
-        if any(map(delimiter_of, lines[:_TOP])) or (form in ("blanks", "listing") and not named and not has_header):
-            form = "csv"  # whose reader says what its header lacks
+        is_csv = any(map(delimiter_of, lines[:_TOP]))  # a header in a comment, perhaps
+        if not is_csv and form in ("blanks", "listing") and not named:
+            tables = all_tables("\n".join(lines), str(path), form)
+            is_csv = not any(is_header(row) for table in tables for row in table.rows)
+        form = "csv" if is_csv else form  # whose reader says what its header lacks
     if form == "csv" and named and any(map(delimiter_of, lines)):
         raise TableError(say("two-headers", Mark(file=str(path)), field="columns"))
     return form

@@ -11,7 +11,7 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.cells.attachments import prefixed_joint, prefixed_link
+from dh2urdf.cells.attachments import attached, prefixed_joint, prefixed_link
 from dh2urdf.columns import ManipulatorGroups, RowField
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
@@ -111,6 +111,7 @@ class ArmCall:
     parent: str | None = None  # name of the arm that holds it; None for the world
     link: str = WORLD  # the link of that arm, without its prefix
     placement: Origin = Origin()  # its root link in the link that holds it
+    part: Attachment | None = None  # what it is where it is no manipulator, but a part of the run
     mark: Mark | None = attribute(default=None, compare=False)
     of_mark: Mark | None = attribute(default=None, compare=False)  # where its manipulator is named
     parent_mark: Mark | None = attribute(default=None, compare=False)  # where its parent is named
@@ -203,34 +204,39 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
     Raises:
         RobotError: an arm stands on a link that there is not, or two arms have a name in common.
     """
-    arms = tuple(_arms(cell, robots))
-    links, joints, attachments = [Link(name=WORLD)], list[Joint](), list[Attachment]()
-    for arm in arms:
-        kind, prefix = arm.kind, arm.prefix
-        name, root = prefix + kind.mounting, prefix + kind.root
-        joints.append(Joint(name=name, type=JointType.FIXED, parent=arm.parent, child=root, origin=arm.placement))
-        joints += [prefixed_joint(replace(joint, origin=_in_numbers(joint.origin)), prefix) for joint in kind.joints]
-        attachments += [
-            replace(each, name=f"{arm.name}_{each.name}", prefix=prefix + each.prefix, parent=prefix + each.parent)
-            for each in kind.attachments
-        ]
-        # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
-        first, *others = kind.links
-        first = first if first.inertial else replace(first, inertial=WEIGHTLESS)
-        links += [_placed_link(link, prefix) for link in (first, *others)]
-    return Robot(
-        name=cell.name,
-        links=tuple(links),
-        joints=tuple(joints),
-        comment=f"{cell.name}: a cell of {', '.join(f'{arm.name} ({arm.kind.name})' for arm in arms)}, made by dh2urdf",
-        arms=arms,
-        attachments=tuple(attachments),
-        loaded=tuple([arm.prefix + name for arm in arms for name in arm.kind.loaded]),
+    robot = Robot(name=cell.name, links=(Link(name=WORLD),), joints=())
+    for each in _placed_kinds(cell, robots):
+        robot = attached(robot, each) if isinstance(each, Attachment) else _with_arm(robot, each)
+    named = [f"{arm.name} ({arm.kind.name})" for arm in robot.arms]
+    named += [each.name for each in robot.attachments if each.name in {arm.name for arm in cell.call.arms}]
+    return replace(robot, comment=f"{cell.name}: a cell of {', '.join(named)}, made by dh2urdf")
+
+
+def _with_arm(robot: Robot, arm: Arm) -> Robot:
+    """A cell with one more arm."""
+    kind, prefix = arm.kind, arm.prefix
+    name, root = prefix + kind.mounting, prefix + kind.root
+    mounting = Joint(name=name, type=JointType.FIXED, parent=arm.parent, child=root, origin=arm.placement)
+    joints = [prefixed_joint(replace(joint, origin=_in_numbers(joint.origin)), prefix) for joint in kind.joints]
+    # PyBullet takes a link without inertial for 1 kg, unless it is the root: here it is not.
+    first, *others = kind.links
+    first = first if first.inertial else replace(first, inertial=WEIGHTLESS)
+    attachments = [
+        replace(each, name=f"{arm.name}_{each.name}", prefix=prefix + each.prefix, parent=prefix + each.parent)
+        for each in kind.attachments
+    ]
+    return replace(
+        robot,
+        links=(*robot.links, *(_placed_link(link, prefix) for link in (first, *others))),
+        joints=(*robot.joints, mounting, *joints),
+        arms=(*robot.arms, arm),
+        attachments=(*robot.attachments, *attachments),
+        loaded=(*robot.loaded, *(prefix + name for name in kind.loaded)),
     )
 
 
-def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
-    """The arms with their robots and the names of their parents in the cell.
+def _placed_kinds(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm | Attachment]:
+    """The arms with their robots, and the parts, each with the name of its parent in the cell.
 
     Raises:
         RobotError: as `compose`.
@@ -239,8 +245,12 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
     calls = {arm.name: arm for arm in cell.call.arms}
     owners: dict[str, ArmCall | None] = {WORLD: None}
     for arm in cell.call.arms:
-        kind = robots[arm.of]
-        names = [kind.mounting, *(link.name for link in kind.links), *(joint.name for joint in kind.joints)]
+        kind = arm.part.robot if arm.part else robots[arm.of]
+        names = [
+            f"{arm.name}_joint" if arm.part else kind.mounting,
+            *(link.name for link in kind.links),
+            *(joint.name for joint in kind.joints),
+        ]
         taken = next((name for name in names if arm.prefix + name in owners), None)
         if taken is not None:
             name = arm.prefix + taken
@@ -252,12 +262,17 @@ def _arms(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm]:
         if arm.parent is not None:
             holder = calls[arm.parent]
             parent = holder.prefix + arm.link
-            known = [link.name for link in robots[holder.of].links]
+            known = [link.name for link in (holder.part.robot if holder.part else robots[holder.of]).links]
             if arm.link not in known:
                 near = did_you_mean(arm.link, known) or did_you_mean(arm.link.removeprefix(holder.prefix), known)
                 about = {"place": f"{arm.parent}/{arm.link}", "links": [f"{arm.parent}/{name}" for name in known]}
                 problems.append(_of(arm, "stands-on-no-link", "parent", arm.parent_mark, suggestion=near, **about))
-        yield Arm(name=arm.name, kind=kind, prefix=arm.prefix, parent=parent, placement=arm.placement)
+        if arm.part is None:
+            yield Arm(name=arm.name, kind=kind, prefix=arm.prefix, parent=parent, placement=arm.placement)
+        elif not problems:
+            start = arm.part.placement
+            at = arm.placement if start == Origin() else Origin.of(arm.placement.transform @ start.transform)
+            yield replace(arm.part, name=arm.name, prefix=arm.prefix, parent=parent, placement=at)
     if problems:
         raise RobotError(problems)
 
@@ -287,20 +302,26 @@ def _in_numbers(record: T) -> T:
 def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
     """Where the tables have tool0 of every arm of a cell; the robots say where the links stand that hold other arms."""
     calls = {arm.name: arm for arm in cell.call.arms}
-    rows = [(arm, row) for arm in cell.call.arms for row in cell.manipulators[arm.of].moving_rows]
+    arms = [arm for arm in cell.call.arms if arm.part is None]
+    rows = [(arm, row) for arm in arms for row in cell.manipulators[arm.of].moving_rows]
     joints = tuple(arm.prefix + row.joint for arm, row in rows)
     columns = {name: column for column, name in enumerate(joints)}
     before: dict[str, tuple[Stretch, ...]] = {}  # the way to what holds each arm
+    roots: dict[str, str | None] = {}  # where that way begins: the link of a part, or the root of the cell
     tips: list[Tip] = []
-    for arm in cell.call.arms:
-        before[arm.name] = ()
-        if arm.parent is not None:
-            holder = calls[arm.parent]
+    for arm in arms:
+        before[arm.name], root = (), None
+        holder = calls[arm.parent] if arm.parent is not None else None
+        if holder is not None and holder.part:  # The proof of parts says where that is.
+            root = holder.prefix + arm.link
+        elif holder is not None:
             held = _up_to(arm.link, cell.manipulators[holder.of], robots[holder.of])
-            before[arm.name] = (*before[holder.name], _stretch(holder, held))
+            before[arm.name], root = (*before[holder.name], _stretch(holder, held)), roots[holder.name]
+        roots[arm.name] = root
         way = (*before[arm.name], _stretch(arm, cell.manipulators[arm.of]))
         names = [name for stretch in way for name in stretch.joints]
-        tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=tuple(columns[name] for name in names)))
+        of_tip = tuple(columns[name] for name in names)
+        tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=of_tip, root=root))
     return ExpectedPoses(name=cell.name, root=WORLD, tips=tuple(tips), joints=joints, mark=cell.mark)
 
 

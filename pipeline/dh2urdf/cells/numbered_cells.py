@@ -48,8 +48,8 @@ class NumberedCells:
     @property
     def varied(self) -> dict[str, Variation]:
         """The variations of the arms that are variants, by the names of these arms as the run file has them."""
-        kinds = {arm.name: self.kinds[arm.of] for arm in self.call.arms}
-        return {name: kind for name in self.call.order if isinstance(kind := kinds[name], Variation)}
+        kinds = {arm.name: self.kinds[arm.of] for arm in self.call.arms if arm.part is None}
+        return {name: kind for name in self.call.order if isinstance(kind := kinds.get(name), Variation)}
 
     def variants(self) -> Variants[NumberedCells]:
         """All the cells."""
@@ -100,8 +100,11 @@ class NumberedCells:
         tables: dict[str, Manipulator] = {}
         problems: list[Problem] = []
         for arm in self.call.arms:
-            kind = self.kinds[arm.of]
             own = {key.removeprefix(f"{arm.name}/"): drawn[key] for key in drawn if key.startswith(f"{arm.name}/")}
+            if arm.part is not None:
+                arms.append(replace(arm, placement=_placed(arm.placement, own)))
+                continue
+            kind = self.kinds[arm.of]
             try:
                 table = kind.made(of[arm.name], own) if isinstance(kind, Variation) else kind
             except ManipulatorError as error:
@@ -159,6 +162,11 @@ def with_tables(
         kinds: dict[str, Manipulator | Variation] = {}
         problems: list[Problem] = []
         for arm in call.arms:
+            if arm.part is not None and gathering.has(arm.of):
+                about = {"field": "of", "found": arm.of, "user": the_arm(arm), "name": arm.of}
+                problems.append(say("part-or-manipulator", arm.of_mark or arm.mark, **about))
+            if arm.part is not None:
+                continue
             match _kind_of(arm, gathering, variations.get(arm.of)):
                 case Manipulator() | Variation() as kind:
                     kinds[arm.of] = kind

@@ -45,7 +45,7 @@ def make_item(
     robots: dict[str, Robot] = {}
     tables: dict[str, Manipulator] = {}
     problems: list[Problem] = []
-    for arm in {arm.of: arm for arm in reversed(item.call.arms)}.values():
+    for arm in {arm.of: arm for arm in reversed(item.call.arms) if arm.part is None}.values():
         table = item.manipulators[arm.of]
         try:
             tables[arm.of] = edited_table(table, transform, edits)

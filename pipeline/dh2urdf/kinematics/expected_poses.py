@@ -52,6 +52,7 @@ class Tip:
     link: str
     way: tuple[Stretch, ...]  # the arms on the way to it, from the root outwards
     columns: tuple[int, ...]  # which entries of the robot's joint vector move it, in the order of the way
+    root: str | None = None  # the link where the way begins, where that is not the root of the robot
 
     @property
     def joints(self) -> tuple[str, ...]:

@@ -98,7 +98,7 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
         ProofError: there is no way, or it moves other joints.
     """
     try:
-        joints = joints_between(written, expected.root, tip.link)
+        joints = joints_between(written, tip.root or expected.root, tip.link)
     except RecordError as error:
         raise ProofError(problem.about(robot=expected.name) for problem in error.problems) from error
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]

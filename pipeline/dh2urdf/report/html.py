@@ -165,7 +165,7 @@ def _detailed(number: int, row: ManipulatorEntry, what: object, recipe: Recipe) 
     # The table of the robot is the edited one.
     arms = [("", robot.manipulator if robot and robot.manipulator else what)] if isinstance(what, Manipulator) else []
     if isinstance(what, Cell):
-        arms = [(arm.prefix, what.manipulators[arm.of]) for arm in what.call.arms]
+        arms = [(arm.prefix, what.manipulators[arm.of]) for arm in what.call.arms if arm.part is None]
     # The rows of its tables, with their numbers from 1, by the names of the links in its robot.
     rows = {prefix + each.link: (n, each) for prefix, arm in arms for n, each in enumerate(arm.rows, start=1)}
     masses: list[dict[str, Any]] = []

@@ -28,6 +28,7 @@ from dh2urdf.plugin_system.validator import unknown_key
 from dh2urdf.run_file import sections as keys
 from dh2urdf.run_file.cell_section import read_cells
 from dh2urdf.run_file.mesh_section import MeshCall, read_meshes
+from dh2urdf.run_file.part_section import PartCall, read_parts
 from dh2urdf.run_file.reading import Reading, with_setting
 from dh2urdf.run_file.variation_section import read_variations
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, in_file_order
@@ -86,6 +87,7 @@ class RunConfig:
     execution: StageCall = field(default_factory=StageCall)
     output: OutputSection = field(default_factory=OutputSection)
     edits: tuple[StageCall, ...] = ()
+    parts: tuple[PartCall, ...] = ()
     cells: tuple[CellCall, ...] = ()
     variations: tuple[VariationCall, ...] = ()
     meshes: tuple[MeshCall, ...] = ()
@@ -177,6 +179,7 @@ def _config(root: Node, to: Reading) -> RunConfig:
         execution=_stage(keys.ExecutionSection, given["execution"], "execution", to) or StageCall(),
         output=_output(given["output"], to),
         edits=stages("edits", keys.NamedStageSection),
+        parts=read_parts(entries["parts"], to),
         cells=read_cells(entries["cells"], to),
         variations=read_variations(entries["variations"], to),
         meshes=read_meshes(entries["meshes"], to),

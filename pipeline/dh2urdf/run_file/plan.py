@@ -17,6 +17,7 @@ from dh2urdf.output.layouts import Layout
 from dh2urdf.output.store import Store, open_store
 from dh2urdf.plugin_system.calls import Call, call_of
 from dh2urdf.run_file.mesh_section import MeshCall
+from dh2urdf.run_file.part_section import with_parts
 from dh2urdf.source import Messages, Problem, in_file_order
 from dh2urdf.stages import Executor, Reader, WritesFolders
 from dh2urdf.variations import sampling
@@ -73,6 +74,11 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         if loader is not None and not set(loader.stage.formats) & set(formats):
             about = {"found": ", ".join(formats), "loader": loader.stage.name, "needs": loader.stage.formats}
             asked.problems.append(say("loader-without-file", each.mark, field="loaders", **about))
+    cells = config.cells
+    try:
+        cells = with_parts(config.cells, config.parts, catalog)
+    except ConfigError as error:
+        asked.problems += error.problems
     if asked.problems or transform is None or executor is None:
         raise ConfigError(in_file_order(asked.problems))
     recipe = Recipe(
@@ -112,7 +118,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
         store=open_store(output),
         layout=config.output.layout,
         executor=executor,
-        cells=config.cells,
+        cells=cells,
         variations=config.variations,
         html=config.report.html,
         meshes=config.meshes,

@@ -126,7 +126,7 @@ class InputSection:
     )
 
 
-# --- Cells, meshes, variations ----------------------------------------------------------------------------------------
+# --- Cells, parts, meshes, variations ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +134,7 @@ class ArmSection:
     """An arm of a cell."""
 
     name: Text = key("the arm's name in the cell")
-    of: Text = key("the manipulator of this run that it is, or a variation: then each of its variants has its own cell")
+    of: Text = key("the manipulator or the part that it is, or a variation: then each of its variants has its own cell")
     prefix: AnyText | None = key("before the names of its links and joints; NAME_ by default", None)
     parent: Text = key("world, or a link of another arm, such as left/tool0", WORLD)
     xyz: Triple = key("where it stands on its parent [m]", ZERO, measures="length")
@@ -167,6 +167,29 @@ class MeshesSection:
     of: Text = key("the manipulator of this run that has them; * stands for any text")
     base: ShapesSection | None = None
     joints: dict[str, ShapesSection] | None = key("by the names of the joints", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeepSection:
+    """What is kept of a part's file as it is."""
+
+    elements: Literal["all", "none"] = key("elements for other programs, such as ros2_control", "all")
+    inertia: Literal["keep", "repair"] = key("repair: the nearest inertia that a body can have", "keep")
+    missing_meshes: bool = key("whether meshes that are not there stay as addresses", False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PartSection:
+    """A robot description that cells may have beside manipulators: a gripper, a base, a camera."""
+
+    name: Text = key("what `of` of an arm of a cell calls it")
+    file: Text = key("its URDF or xacro, from the folder of the run file")
+    args: dict[str, Any] | None = key("arguments of a xacro, by name", None)
+    packages: dict[str, Text] | None = key("folders of ROS packages, by the names in package:// addresses", None)
+    root: Text | None = key("its link that is held; by default the one that nothing holds in its file", None)
+    tip: Text | None = key("its link that is the tool; by default it has none", None)
+    keep: Literal["none"] | KeepSection = key("none: nothing beside links and joints", KeepSection())
+    mesh_links: bool = key("whether symbolic links to meshes may lead out of the folders that name them", False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -337,6 +360,7 @@ class RunFile:
     """The whole file."""
 
     inputs: Annotated[tuple[InputSection, ...], Field(min_length=1)] = key("the tables that are read")
+    parts: tuple[PartSection, ...] = key("robot descriptions that cells have beside manipulators; none by default", ())
     cells: tuple[CellSection, ...] = key("robots of several arms, with one root; none by default", ())
     variations: tuple[VariationSection, ...] = key("manipulators drawn from others; none by default", ())
     meshes: tuple[MeshesSection, ...] = key("mesh files that links are seen as and touch with; none by default", ())

@@ -357,10 +357,12 @@ class ReadsForeign(NamedTuple):
         read_foreign: what a file holds, expanded as an `Expansion` says: a `Robot`, or a `ForeignRobot` where there is
             more to it, such as joints that follow others.
         has_macros: whether files of the format hold macros: then users may say how this and `check` expand them.
+        can_attach: whether what a file holds can be attached to other robots; `read_foreign` gives a `ForeignRobot`.
     """
 
     read_foreign: Callable[[Path, Expansion], Robot | ForeignRobot]
     has_macros: bool = False
+    can_attach: bool = False
 
 
 class EmitsInColumns(NamedTuple):

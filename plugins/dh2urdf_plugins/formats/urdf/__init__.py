@@ -55,7 +55,7 @@ EMITTER = Emitter(
     capabilities=(
         Usual(),
         ReadsBack(read_urdf),
-        ReadsForeign(foreign_urdf),
+        ReadsForeign(foreign_urdf, can_attach=True),
         EmitsInColumns(Late(f"{__name__}.columns:emit_columns"), read_urdfs),
         *checks("inspection:inspect_urdf", "files:urdfs", "fixing:fixed", finds_packages=True),
         GivesNotices(notices),

@@ -33,7 +33,7 @@ EMITTER = Emitter(
     emit=Late(f"{__name__}.writer:xacro_files"),
     capabilities=(
         ReadsBack(read_xacro, is_costly=True),
-        ReadsForeign(foreign_xacro, has_macros=True),
+        ReadsForeign(foreign_xacro, has_macros=True, can_attach=True),
         OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
         *checks("inspection:inspect_xacro", "files:xacros"),
         GivesNotices(notices),

@@ -246,11 +246,8 @@ def _placed_kinds(cell: Cell, robots: Mapping[str, Robot]) -> Iterator[Arm | Att
     owners: dict[str, ArmCall | None] = {WORLD: None}
     for arm in cell.call.arms:
         kind = arm.part.robot if arm.part else robots[arm.of]
-        names = [
-            f"{arm.name}_joint" if arm.part else kind.mounting,
-            *(link.name for link in kind.links),
-            *(joint.name for joint in kind.joints),
-        ]
+        mounting = f"{arm.name}_joint" if arm.part else kind.mounting
+        names = [mounting, *(link.name for link in kind.links), *(joint.name for joint in kind.joints)]
         taken = next((name for name in names if arm.prefix + name in owners), None)
         if taken is not None:
             name = arm.prefix + taken

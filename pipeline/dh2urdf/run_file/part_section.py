@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from dh2urdf.cells.attachments import AttachmentCall, attachment_of
 from dh2urdf.documents import check_file
@@ -11,11 +12,10 @@ from dh2urdf.errors import ConfigError, InputError, ManipulatorError
 from dh2urdf.plugin_system.calls import a_record, blaming, default_call
 from dh2urdf.run_file.sections import KeepSection, PartSection
 from dh2urdf.source import Mark, Messages, did_you_mean
-from dh2urdf.stages import Expansion, ForeignRobot, ReadsForeign
+from dh2urdf.stages import Expansion, ForeignRobot, ReadsForeign, arguments_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-    from pathlib import Path
 
     from dh2urdf.cells.cell import CellCall
     from dh2urdf.documents.document import Node
@@ -62,11 +62,7 @@ def _part(given: PartSection, node: Node, place: str, to: Reading) -> PartCall |
             packages=folders,
             mesh_links=given.mesh_links,
         )
-        words = {
-            name: str(value).lower() if isinstance(value, bool) else str(value)
-            for name, value in (given.args or {}).items()
-        }
-        expansion = Expansion(arguments=words, package_paths=tuple(folders.values()))
+        expansion = Expansion(arguments=arguments_of(given.args), package_paths=tuple(folders.values()))
         return PartCall(path=path, call=call, expansion=expansion, mark=node.mark)
     return None
 
@@ -106,9 +102,14 @@ def _read(part: PartCall, catalog: Catalog) -> ForeignRobot:
     emitter = catalog.emitter_for(part.path)
     reads = emitter.can(ReadsForeign)
     if reads is None or not reads.can_attach:
-        others = [each.name for each in catalog.stages("emitter") if (its := each.can(ReadsForeign)) and its.can_attach]
-        about = {"field": "file", "found": part.path.name, "format": emitter.name, "formats": others}
-        raise ConfigError(say("part-of-other-format", part.mark, **about))
+        others = [
+            name
+            for name, each in catalog.by_name("emitter").items()
+            if (its := each.stage.can(ReadsForeign)) and its.can_attach
+        ]
+        name, found = emitter.name, part.path.name
+        raise ConfigError(
+            say("part-of-other-format", part.mark, field="file", found=found, format=name, formats=others)
+        )
     with blaming(default_call(catalog, emitter), "read_foreign"):
-        found = a_record(reads.read_foreign(part.path, part.expansion), ForeignRobot)
-    return found
+        return cast("ForeignRobot", a_record(reads.read_foreign(part.path, part.expansion), ForeignRobot))

@@ -126,7 +126,7 @@ class InputSection:
     )
 
 
-# --- Cells, parts, meshes, variations ----------------------------------------------------------------------------------------
+# --- Cells, parts, meshes, variations ---------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         Inspection as Inspection,
         Repair as Repair,
         Severity as Severity,
+        arguments_of as arguments_of,
     )
     from dh2urdf.stages.load_records import (
         HeldRobot as HeldRobot,
@@ -652,7 +653,7 @@ if not TYPE_CHECKING:  # Most commands make no such record.
         __name__,
         {
             "foreign_robot": "Follower ForeignRobot",
-            "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity",
+            "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity arguments_of",
             "load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",
         },
     )

@@ -109,6 +109,11 @@ class Annotation:
     notices: tuple[Problem, ...] = ()
 
 
+def arguments_of(values: Mapping[str, object] | None) -> dict[str, str]:
+    """The values of arguments as YAML has them, as a description with macros takes them: ``true`` for True."""
+    return {name: str(each).lower() if isinstance(each, bool) else str(each) for name, each in (values or {}).items()}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expansion:
     """How a description that holds macros is expanded.

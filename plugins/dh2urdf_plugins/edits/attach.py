@@ -84,18 +84,13 @@ class AttachOptions:
     def attachment(self) -> tuple[Attachment, tuple[Problem, ...]]:
         """What is attached, which is read once for all arms of a process, and notices about it."""
         from dh2urdf.cells.attachments import attachment_of
-        from dh2urdf.stages import Expansion
+        from dh2urdf.stages import Expansion, arguments_of
         from dh2urdf_plugins.descriptions.description import foreign_robot
 
-        path, given = self.file or Path(), {name: _word(value) for name, value in (self.args or {}).items()}
-        expansion = Expansion(arguments=given, package_paths=tuple((self.packages or {}).values()))
+        path = self.file or Path()
+        expansion = Expansion(arguments=arguments_of(self.args), package_paths=tuple((self.packages or {}).values()))
         found = foreign_robot(FORMS[path.suffix.lower()], path, expansion)
         return attachment_of(found, path, self.call)
-
-
-def _word(value: object) -> str:
-    """A value as the argument of a xacro."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def edit_robot(robot: Robot, options: AttachOptions) -> Robot:

@@ -181,7 +181,8 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
         return report
     report = replace(report, **_hold(held, comparison))
     # A controller in Drake cannot move these, and it has not kept their efforts.
-    if idle := [shown(joint["name"]) for joint in joints if "effort" not in joint]:
+    actuated = {joint.name for joint in request.robot.actuated_joints}
+    if idle := [shown(joint["name"]) for joint in joints if "effort" not in joint and joint["name"] in actuated]:
         count = "1 joint" if len(idle) == 1 else f"{len(idle)} joints"
         idle_joints = comparison.placed(say("drake-without-actuators", count=count, joints=listed(idle, 8)))
         report = replace(report, findings=(idle_joints, *report.findings))

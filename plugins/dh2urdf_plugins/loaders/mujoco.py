@@ -337,7 +337,7 @@ def _write_picture(held: Held, comparison: measures.Comparison, path: Path) -> N
     camera.lookat[:], camera.distance = view.target, view.distance
     camera.azimuth = math.degrees(viewpoint.AZIMUTH) + 180.0
     camera.elevation = -math.degrees(viewpoint.ELEVATION)
-    drawn.geomgroup[:] = 0
+    drawn.geomgroup[:] = drawn.sitegroup[:] = 0
     drawn.geomgroup[_FLOORS] = 1
     drawn.geomgroup[_VISUALS if _VISUALS in model.geom_group else 0] = 1
     if not hasattr(mujoco, "GLContext"):

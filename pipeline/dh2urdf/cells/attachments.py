@@ -39,6 +39,8 @@ __all__ = ["AttachmentCall", "attached", "attachment_of"]
 
 say = Messages(__file__)
 
+NAMING = {".dae": b"<init_from", ".obj": b"mtllib", ".gltf": b'"uri"'}
+"""How mesh files name pictures and materials that are files of their own."""
 MOST_ELEMENTS = 10_000
 """Links, joints and other elements that an attachment may have."""
 PACKAGE_VARIABLES = {"ROS_PACKAGE_PATH": "", "AMENT_PREFIX_PATH": "share"}
@@ -93,7 +95,7 @@ def attachment_of(found: ForeignRobot, path: Path, call: AttachmentCall) -> tupl
     elements = found.elements if call.elements else ()
     if problems := [*_problems(found, path, call, elements)]:
         raise RobotError(problems)
-    notices = [*found.notices]
+    notices = [*found.notices, *found.lost]
     robot, start = _without_world(found.robot, call.root)
     if start is not None:
         notices.append(say("attached-world-left-out", Mark(file=str(path)), child=robot.links[0].name))
@@ -233,6 +235,8 @@ def _with_files(robot: Robot, found: ForeignRobot, path: Path, call: AttachmentC
             return shape
         try:
             file = file.absolute()
+            if (word := NAMING.get(file.suffix.lower())) and word in file.read_bytes():
+                problems.setdefault(mesh.filename, say("attached-mesh-names-files", mark, found=mesh.filename))
             return replace(shape, geometry=replace(mesh, file=find_mesh(file.name, file.parent, links=call.mesh_links)))
         except ConfigError as error:
             problems.setdefault(mesh.filename, error.problems[0].about(mark=mark))

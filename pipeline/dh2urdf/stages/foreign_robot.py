@@ -23,6 +23,7 @@ class ForeignRobot:
         folder: where the paths of its meshes begin; None for the folder of the file.
         notices: what could not be read, and is left out.
         elements: what the file has beside links, joints and materials, as XML: of a URDF, what is for other programs.
+        lost: notices of what neither the robot nor the elements have, such as safety controllers.
         faults: what keeps joints from being read; they are fixed in the robot.
     """
 
@@ -32,4 +33,5 @@ class ForeignRobot:
     folder: Path | None = None
     notices: tuple[Problem, ...] = ()
     elements: tuple[str, ...] = ()
+    lost: tuple[Problem, ...] = ()
     faults: tuple[Problem, ...] = ()

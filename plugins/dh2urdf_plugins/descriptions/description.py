@@ -60,6 +60,7 @@ class Description:
     repaired: Robot | None = None
     notices: list[Problem] = field(default_factory=list)  # what to know about how the file was read
     left_out: list[Problem] = field(default_factory=list)  # what neither the robot nor a table has a place for
+    lost: list[Problem] = field(default_factory=list)  # of a URDF what its robot and its elements do not have
     doubly: set[str] = field(default_factory=set)  # links that are held besides the joints, which closes a loop
     faulty: dict[str, Unread] = field(default_factory=dict)  # joints that could not be read, by name
     elements: tuple[str, ...] = ()  # of a URDF what is beside links, joints and materials, as XML
@@ -116,7 +117,7 @@ def foreign_robot(form: str, path: Path, expansion: Expansion | None = None) -> 
     found = describe(form, path, expansion, colours=True)
     parts = {name: getattr(found, name) for name in ("robot", "followers", "loose", "folder", "elements")}
     faults = tuple([each.fault for each in found.faulty.values() if each.fault])
-    return ForeignRobot(**parts, notices=tuple(found.notices), faults=faults)
+    return ForeignRobot(**parts, notices=tuple(found.notices), faults=faults, lost=tuple(found.lost))
 
 
 def _notices(unread: Iterable[Unread]) -> list[Problem]:
@@ -189,7 +190,9 @@ def _repair_rounded(form: str, root: etree._Element) -> Iterator[Rounded]:
 
 def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: bool) -> Robot:
     root.set("name", root.get("name", ""))
-    found.left_out += _left_out("urdf", root, file)
+    inner = _left_out("urdf", root, file)
+    found.left_out += [*_left_out("urdf-elements", root, file), *inner]
+    found.lost = [*inner, *_left_out("urdf-textures", root, file)]
     others = [each for each in root.iterchildren(etree.Element) if each.tag not in {"link", "joint", "material"}]
     found.elements = tuple([etree.tostring(each, encoding="unicode", with_tail=False) for each in others])
     for joint in root.iterchildren("joint"):

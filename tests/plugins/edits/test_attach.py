@@ -214,3 +214,60 @@ def test_sdf_and_mjcf_are_refused(tmp_path: Path) -> None:
     (tmp_path / "hand.sdf").write_text("<sdf/>", "utf-8")
     with pytest.raises(InputError, match="no URDF and no xacro"):
         dh2urdf.convert(dh2urdf.read(TABLE), edits=[{"attach": {"file": str(tmp_path / "hand.sdf"), "name": "h"}}])
+
+
+def test_what_no_robot_has_is_told(convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """A safety controller, a calibration and a texture are left out with a notice each."""
+    more = HAND.replace(
+        '<axis xyz="1 0 0"/>', '<axis xyz="1 0 0"/><safety_controller k_velocity="1"/><calibration rising="0"/>'
+    )
+    more = more.replace('<color rgba="0.5 0.5 0.5 1"/>', '<texture filename="a.png"/>')
+    with pytest.warns(dh2urdf.TableWarning) as told:
+        convert(".urdf", more)
+    words = " ".join(str(each.message) for each in told)
+    assert all(word in words for word in ("safety_controller", "calibration", "texture"))
+
+
+def test_two_meshes_of_one_name_stay_two(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
+    """Copied beside the output with what is in them, each with its scale; the words of addresses are the copies'."""
+    bodies = {}
+    for number, folder in enumerate(("visual", "collision"), start=1):
+        (tmp_path / folder).mkdir()
+        bodies[folder] = b"solid " + bytes([64 + number]) + b"\nendsolid\n" * number
+        (tmp_path / folder / "body.stl").write_bytes(bodies[folder])
+    shapes = "".join(
+        f'<{kind}><geometry><mesh filename="{kind}/body.stl" scale="0.001 0.001 0.002"/></geometry></{kind}>'
+        for kind in bodies
+    )
+    _, robot = convert(".urdf", HAND.replace('<link name="tool0"/>', f'<link name="tool0">{shapes}</link>'))
+    (link,) = (each for each in robot.links if each.name == "hand_tool0")
+    found = {}
+    for kind, (shape,) in (("visual", link.visuals), ("collision", link.collisions)):
+        assert shape.geometry.scale == (0.001, 0.001, 0.002)
+        found[kind] = (tmp_path / shape.geometry.filename).read_bytes()
+    assert found == bodies
+
+
+def test_a_xacro_gets_arguments_and_packages(tmp_path: Path) -> None:
+    """The expansion of a strange file goes through the fence, and package:// addresses to the folders that are named."""
+    package = tmp_path / "hands"
+    (package / "meshes").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>hands</name></package>", "utf-8")
+    (package / "meshes" / "palm.stl").write_bytes(b"solid palm\nendsolid\n")
+    text = (
+        '<robot name="h" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="long" default="false"/>'
+        '<xacro:arg name="d" default="1"/><link name="world"/><link name="palm"><visual><geometry>'
+        '<mesh filename="package://hands/meshes/palm.stl"/></geometry></visual></link>'
+        '<joint name="mount" type="fixed"><parent link="world"/><child link="palm"/><origin xyz="$(arg d) 0 0"/></joint>'
+        '<xacro:if value="$(arg long)"><link name="tip"/><joint name="on" type="fixed"><parent link="palm"/>'
+        '<child link="tip"/></joint></xacro:if></robot>'
+    )
+    (tmp_path / "h.urdf.xacro").write_text(text, "utf-8")
+    options = {"args": {"long": True, "d": 0.25}, "packages": {"hands": str(package)}}
+    edit = {"attach": {"file": str(tmp_path / "h.urdf.xacro"), "name": "h", "parent": "flange", **options}}
+    robot = dh2urdf.convert(dh2urdf.read(TABLE), tmp_path / "out.urdf", edits=[edit]).robot
+    assert [link.name for link in robot.links][-2:] == ["h_palm", "h_tip"]
+    mounting = next(joint for joint in robot.joints if joint.name == "h_joint")
+    assert mounting.origin.xyz == (0.25, 0.0, 0.0)
+    (copy,) = (tmp_path / "meshes").glob("palm-*.stl")
+    assert copy.read_bytes() == b"solid palm\nendsolid\n"

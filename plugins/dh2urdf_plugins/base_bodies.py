@@ -31,7 +31,7 @@ def weightless_bases(robot: Robot) -> frozenset[str]:
     still = links_at_rest(robot)
     holders = {joint.parent for joint in robot.joints if joint.child.endswith(BASE)}
     bases = {link.name for link in robot.links if is_weightless_base(link.name, link.inertial)}
-    return frozenset(bases & still - holders)
+    return frozenset(bases & still - holders - robot.foreign_names)
 
 
 def with_base_bodies(robot: Robot) -> Robot:

@@ -32,7 +32,7 @@ class PartCall:
     """A part as a run file asks for it."""
 
     path: Path
-    call: AttachmentCall  # what is asked of the file; where it is held is said with each cell
+    call: AttachmentCall  # what is asked of the file; each cell has the place where it is held
     expansion: Expansion  # how it is expanded where it holds macros
     mark: Mark | None = field(default=None, compare=False)
 

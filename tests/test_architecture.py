@@ -390,7 +390,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
     "plugins/dh2urdf_plugins/formats": 4140,
-    "plugins/dh2urdf_plugins/loaders": 2610,
+    "plugins/dh2urdf_plugins/loaders": 2620,
     "plugins/dh2urdf_plugins/packages": 2050,
     "plugins/dh2urdf_plugins/readers": 7060,
     "plugins/dh2urdf_plugins/transforms": 2110,

@@ -27,7 +27,7 @@ from dh2urdf.kinematics.mass import GRAVITY
 from dh2urdf.measuring import Body, Precision
 from dh2urdf.robot import Box, Inertial, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, multiply, rotate, rotation_from_quaternion, transpose
-from dh2urdf.source import Messages
+from dh2urdf.source import Messages, listed
 from dh2urdf.stages import HeldRobot
 from dh2urdf_plugins.loaders import measures, viewpoint
 
@@ -194,9 +194,15 @@ def _report(bullet: Any, request: LoadRequest) -> LoadReport:  # noqa: ANN401 - 
         raise LoaderError(comparison.placed(say("cannot-load", simulator="PyBullet"))) from error
     held = Held(body, robot.root)
     # The root is the world's, and PyBullet makes it weightless.
-    written = {link.name: link.inertial or Inertial(mass=0.0) for link in robot.links[1:]}
+    written, bodies = {link.name: link.inertial or Inertial(mass=0.0) for link in robot.links[1:]}, held.held_bodies()
+    # What is attached keeps frames without an inertial: PyBullet takes each for 1 kg.
+    bare = {link.name for link in robot.links[1:] if link.inertial is None and bodies[link.name].mass == 1.0}
     joints = map(held.held_joint, held.moving)
-    report = comparison.loaded(version("pybullet"), joints, held.held_bodies(), written)
+    written = {name: inertial for name, inertial in written.items() if name not in bare}
+    report = comparison.loaded(version("pybullet"), joints, bodies, written)
+    if bare:
+        heavy = say("pybullet-heavy-frames", count=len(bare), links=listed(sorted(bare)))
+        report = replace(report, findings=(comparison.placed(heavy),))
     if not _gives_poses(held):
         found = f"{len(held.moving)} moving joints, {len(held.links) - 1} links"
         accepted = "at most 121 moving joints, and 127 links without the root"
@@ -204,7 +210,8 @@ def _report(bullet: Any, request: LoadRequest) -> LoadReport:  # noqa: ANN401 - 
         return replace(report, findings=(comparison.placed(too_large),))
     report = replace(report, **comparison.poses_of(held))
     if held.moving:
-        report = replace(report, **_hold(held, comparison))
+        hold = _hold(held, comparison)
+        report = replace(report, **{**hold, "findings": (*report.findings, *hold["findings"])})
     if request.picture:
         _write_picture(held, comparison, request.picture)
         report = replace(report, picture=request.picture.name)

@@ -31,7 +31,7 @@ class Profile:
     """The decisions of one profile, which `profiles.toml` explains; the defaults are those of the portable file."""
 
     mujoco_element: bool = True
-    root_inertial: bool = False
+    frame_masses: bool = False
     base_collision: bool = True
     held: bool = False
     base_body: bool = False
@@ -47,7 +47,7 @@ class Profile:
 PROFILES: dict[ProfileName, Profile] = {
     "portable": Profile(),
     "ros": Profile(mujoco_element=False),
-    "pybullet": Profile(root_inertial=True),
+    "pybullet": Profile(frame_masses=True),
     "mujoco": Profile(base_collision=False),
     "gazebo": Profile(held=True, base_body=True),
     "coppeliasim": Profile(
@@ -106,17 +106,18 @@ def append_transmissions(parent: etree._Element, robot: Robot, notation: Notatio
 
 
 def _adapted_arm(robot: Robot, profile: Profile) -> Robot:
-    robot = _adapted(robot, profile, links_at_rest(robot))
-    if not profile.root_inertial:
-        return robot
-    root, *others = robot.links
-    return replace(robot, links=(replace(root, inertial=root.inertial or WEIGHTLESS), *others))
+    return _adapted(robot, profile, links_at_rest(robot))
 
 
 def _adapted(robot: Robot, profile: Profile, bases: AbstractSet[str]) -> Robot:
     if profile.base_body:
         robot = with_base_bodies(robot)
-    links = tuple(_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links)
+    links = tuple([_adapted_link(link, profile, is_base=link.name in bases) for link in robot.links])
+    if profile.frame_masses:
+        bare = [link.inertial is None and link.name != WORLD for link in links]
+        links = tuple(
+            [replace(link, inertial=WEIGHTLESS) if is_bare else link for link, is_bare in zip(links, bare, strict=True)]
+        )
     return replace(robot, links=links, joints=tuple(_adapted_joint(joint, profile) for joint in robot.joints))
 
 

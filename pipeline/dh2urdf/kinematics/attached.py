@@ -22,7 +22,7 @@ from dh2urdf.source import Messages
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from dh2urdf.robot import Attachment, Inertial, Joint, Robot
+    from dh2urdf.robot import Inertial, Joint, Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
 
@@ -45,37 +45,51 @@ def prove_attachments(robot: Robot, written: Robot, *, masses: bool = True) -> N
     Raises:
         ProofError: a link is missing or not in its place, or its mass is another one.
     """
-    problems = [problem for each in robot.attachments for problem in _problems(each, written, masses=masses)]
-    if masses and robot.attachments and not problems:
-        counts = [sum(len(link.shapes) for link in each.links) for each in (robot, written)]
-        if counts[0] != counts[1]:
-            problems.append(say("attached-shapes-lost", wanted=counts[0], count=counts[1]))
+    if not robot.attachments:
+        return
+    problems = [*_lost(robot, written)] or [*_moved(robot, written)] or [*(_changed(robot, written) if masses else ())]
     if problems:
         raise ProofError([problem.about(robot=robot.name) for problem in problems[:5]])
 
 
-def _problems(attachment: Attachment, written: Robot, *, masses: bool) -> Iterator[Problem]:
-    prefix, part = attachment.prefix, attachment.robot
+def _lost(robot: Robot, written: Robot) -> Iterator[Problem]:
+    """Links that the file does not have."""
     names = {link.name for link in written.links}
-    if missing := [prefix + link.name for link in part.links if prefix + link.name not in names]:
-        yield say("attached-link-missing", name=attachment.name, link=missing[0])
-        return
-    placement, size = attachment.placement.transform, max(1.0, norm(attachment.placement.xyz))
-    for q in _joint_vectors(part):
-        alone = link_poses(part, q)
-        found = link_poses(written, {prefix + name: value for name, value in q.items()})
-        held = found[attachment.parent].inverse
-        for link in part.links:
-            wanted, there = placement @ alone[link.name], held @ found[prefix + link.name]
-            error = _largest(_difference(wanted, there))
-            if not error <= BOUND * max(size, norm(wanted.translation)):
-                told = ", ".join(f"{name} = {value:.6g}" for name, value in q.items())
-                yield say("attached-link-moved", name=attachment.name, link=prefix + link.name, error=error, q=told)
-                return
+    for each in robot.attachments:
+        missing = [each.prefix + link.name for link in each.robot.links if each.prefix + link.name not in names]
+        if missing:
+            yield say("attached-link-missing", name=each.name, link=missing[0])
+
+
+def _moved(robot: Robot, written: Robot) -> Iterator[Problem]:
+    """Links that are not in their places, of each attachment the first one."""
+    told = set[str]()
+    for vectors in zip(*(_joint_vectors(each.robot) for each in robot.attachments), strict=True):
+        both = list(zip(robot.attachments, vectors, strict=True))
+        found = link_poses(written, {each.prefix + name: value for each, q in both for name, value in q.items()})
+        for each, q in both:
+            placement, size = each.placement.transform, max(1.0, norm(each.placement.xyz))
+            alone, held = link_poses(each.robot, q), found[each.parent].inverse
+            for link in each.robot.links if each.prefix not in told else ():
+                wanted, name = placement @ alone[link.name], each.prefix + link.name
+                error = _largest(_difference(wanted, held @ found[name]))
+                if not error <= BOUND * max(size, norm(wanted.translation)):
+                    at = ", ".join(f"{joint} = {value:.6g}" for joint, value in q.items())
+                    yield say("attached-link-moved", name=each.name, link=name, error=error, q=at)
+                    told.add(each.prefix)
+                    break
+
+
+def _changed(robot: Robot, written: Robot) -> Iterator[Problem]:
+    """Links with another mass, and shapes that there are not."""
     bodies = {link.name: link.inertial for link in written.links}
-    for link in part.links if masses else ():
-        if not _same_body(link.inertial, bodies[prefix + link.name]):
-            yield say("attached-mass-changed", name=attachment.name, link=prefix + link.name)
+    for each in robot.attachments:
+        for link in each.robot.links:
+            if not _same_body(link.inertial, bodies[each.prefix + link.name]):
+                yield say("attached-mass-changed", name=each.name, link=each.prefix + link.name)
+    wanted, found = (sum(len(link.shapes) for link in one.links) for one in (robot, written))
+    if wanted != found:
+        yield say("attached-shapes-lost", wanted=wanted, count=found)
 
 
 def _joint_vectors(part: Robot) -> Iterator[dict[str, float]]:
@@ -83,7 +97,7 @@ def _joint_vectors(part: Robot) -> Iterator[dict[str, float]]:
     joints = part.actuated_joints
     names, ranges = [joint.name for joint in joints], [_range(joint) for joint in joints]
     yield dict.fromkeys(names, 0.0)
-    for shares in ((0.0,) * len(joints), (1.0,) * len(joints), *fractions(len(joints), VECTORS)) if joints else ():
+    for shares in ((0.0,) * len(joints), (1.0,) * len(joints), *fractions(len(joints), VECTORS)):
         values = [low + share * (high - low) for share, (low, high) in zip(shares, ranges, strict=True)]
         yield dict(zip(names, values, strict=True))
 

@@ -369,9 +369,9 @@ BUDGETS = {
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 970,
     "pipeline/dh2urdf/output": 1540,
-    "pipeline/dh2urdf/plugin_system": 1850,
+    "pipeline/dh2urdf/plugin_system": 1870,
     "pipeline/dh2urdf/quantities": 1320,
-    "pipeline/dh2urdf/report": 2080,
+    "pipeline/dh2urdf/report": 2060,
     "pipeline/dh2urdf/robot_check": 530,
     "pipeline/dh2urdf/run_file": 1860,
     "pipeline/dh2urdf/running": 1050,
@@ -395,7 +395,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 7060,
     "plugins/dh2urdf_plugins/transforms": 2110,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
-    "plugins/dh2urdf_studio": 6410,
+    "plugins/dh2urdf_studio": 6700,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

@@ -27,7 +27,7 @@ from dh2urdf_studio.viewing import View
 from dh2urdf_studio.words import MOST_LOST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
@@ -91,11 +91,11 @@ async def _tab() -> str:
     return str(ui.context.client.tab_id)
 
 
-def build_studio(catalog: Catalog, table: TableText | None) -> None:
-    """Declares the page of the studio."""
+def build_studio(catalog: Catalog, table: TableText | None, arm_edits: Sequence[str] = (), *, may_edit: bool) -> None:
+    """Declares the page of the studio; its tabs begin with a table and edits of its arm, which a person may change."""
     arrivals = Arrivals()
     arrivals.serve()
-    session_of = lru_cache(MOST_SESSIONS)(lambda _: Session(catalog, table))
+    session_of = lru_cache(MOST_SESSIONS)(lambda _: Session(catalog, table, arm_edits, may_edit=may_edit))
     meshes = MeshStore({})
     app.on_shutdown(meshes.close)
     _serve(meshes)

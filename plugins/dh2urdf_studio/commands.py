@@ -11,6 +11,7 @@ from dh2urdf.cli import EXIT_STATUS
 from dh2urdf.cli.answers import answer
 from dh2urdf.cli.convert import print_notices
 from dh2urdf.cli.shared_options import PATH, catalog, files_and_arguments, option, package_paths_option, without_option
+from dh2urdf.plugin_system.options import COMMAND_LINE
 from dh2urdf.source import Mark, Messages, did_you_mean
 
 if TYPE_CHECKING:
@@ -36,8 +37,16 @@ def serving_options(command: Callable[..., int]) -> Callable[..., int]:
 @click.command(name="studio", epilog=EXIT_STATUS)
 @click.argument("table", type=PATH, required=False)
 @option("--robot", metavar="NAME", help="Which manipulator of a table that holds several.")
+@option("--edit", "edits", multiple=True, metavar="YAML", help="A change of the arm, as for convert; repeatable.")
 @serving_options
-def studio(table: Path | None, robot: str | None, port: int | None, host: str, no_browser: bool) -> int:  # noqa: FBT001 - click hands flags over so
+def studio(  # noqa: PLR0917 - click hands options over so
+    table: Path | None,
+    robot: str | None,
+    edits: tuple[str, ...],
+    port: int | None,
+    host: str,
+    no_browser: bool,  # noqa: FBT001 - as above
+) -> int:
     """Type a DH table, see the arm move, press Generate: a page in the browser, served from this machine to itself.
 
     TABLE is opened where it is given; the file itself is not changed. The address of the page is printed; Ctrl-C ends
@@ -46,7 +55,9 @@ def studio(table: Path | None, robot: str | None, port: int | None, host: str, n
     \b
     dh2urdf studio
     dh2urdf studio ur5.csv --port 9000 --no-browser
+    dh2urdf studio ur5.csv --edit 'attach: {file: hand.urdf, name: hand}'
     """
+    from dh2urdf.commands.choices import edit_calls
     from dh2urdf.documents.text_files import check_file
     from dh2urdf.errors import TableError
     from dh2urdf_studio.editing.opening import open_tables
@@ -55,6 +66,7 @@ def studio(table: Path | None, robot: str | None, port: int | None, host: str, n
 
     require_nicegui("studio")
     installed = catalog()
+    edit_calls(edits, COMMAND_LINE, installed)
     opened = None
     if table is not None:
         check_file(table, TableError)
@@ -70,7 +82,10 @@ def studio(table: Path | None, robot: str | None, port: int | None, host: str, n
             click.echo(remark, err=True)
     from dh2urdf_studio.app import build_studio
 
-    serve(lambda: build_studio(installed, opened), host, port, answer, "dh2urdf studio", browser=not no_browser)
+    def build(is_open: bool) -> None:  # noqa: FBT001 - the server calls it so
+        build_studio(installed, opened, edits, may_edit=not is_open)
+
+    serve(build, host, port, answer, "dh2urdf studio", browser=not no_browser)
     return 0
 
 
@@ -106,5 +121,5 @@ def view(files: tuple[str, ...], package_paths: tuple[Path, ...], port: int | No
         meshes.begin(first.drawing.first_meshes)  # while the server starts
         from dh2urdf_studio.app import build_view
 
-        serve(lambda: build_view(first, meshes), host, port, answer, "dh2urdf view", browser=not no_browser)
+        serve(lambda _: build_view(first, meshes), host, port, answer, "dh2urdf view", browser=not no_browser)
     return 0

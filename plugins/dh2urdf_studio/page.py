@@ -15,6 +15,7 @@ from dh2urdf_studio.editing import edits, opening
 from dh2urdf_studio.editing.save import savings
 from dh2urdf_studio.editing.session import BOTH
 from dh2urdf_studio.page_data import PAGE
+from dh2urdf_studio.panels.arm_edits import EditsPanel
 from dh2urdf_studio.panels.comparing import ComparingPanel
 from dh2urdf_studio.panels.lesson import LessonPanel
 from dh2urdf_studio.panels.poses import MeasuringPanel, PosesPanel
@@ -50,7 +51,7 @@ class StudioPage(ScenePage):
 
     def __init__(self, session: Session, meshes: MeshStore) -> None:
         super().__init__(session)
-        self.session, self._number = session, session.history.number
+        self.session, self._number, self._meshes = session, session.history.number, meshes
         self._filling = False  # while the bar is filled in, nobody chooses anything there
         ui.on("dh-undo", lambda event: self._do(session.redo if event.args else session.undo))
         with ui.element("div").classes("studio") as page:
@@ -74,7 +75,8 @@ class StudioPage(ScenePage):
                 mine = session, self._show_pose, self._tell
                 self._target = TargetPanel(*mine)
                 comparing = ComparingPanel(session, self._show_arm, self._tell, meshes, self._put)
-                self._panels = self._target, PosesPanel(*mine), MeasuringPanel(*mine), LessonPanel(*mine), comparing
+                others = PosesPanel(*mine), MeasuringPanel(*mine), LessonPanel(*mine), comparing
+                self._panels = self._target, *others, EditsPanel(session, self._do, self._tell)
                 self._lay_below()
             with section("studio-scene", "Scene"):
                 self._lay_scene()
@@ -211,7 +213,7 @@ class StudioPage(ScenePage):
         self._status.classes(replace=f"studio-status {kind}")
         self._told.clear()
         with self._told:
-            for found in session.problems[:MOST_PROBLEMS]:
+            for found in [each for each in session.problems if each.edit is None][:MOST_PROBLEMS]:
                 leads = found.row is not None or found.field in self._ends
                 box = ui.element("button" if leads else "div").classes(f"studio-problem {found.problem.severity}")
                 if leads:
@@ -227,6 +229,8 @@ class StudioPage(ScenePage):
                             ui.button(unit, on_click=act).props('unelevated dense no-caps padding="2px 10px"')
 
     def _show_arm(self) -> None:
+        drawn = self.session.drawing.meshes
+        self._meshes.add({key: mesh for key, mesh in drawn.items() if key not in self._meshes})
         super()._show_arm()
         self._tell("highlight", self.session.drawn_row)
         self._table.draw(self.session.arm.keys if self.session.arm else ())

@@ -86,9 +86,18 @@ def listen(host: str, port: int | None) -> socket.socket:
 
 
 def serve(
-    build: Callable[[], None], host: str, port: int | None, report: Callable[[str], None], title: str, *, browser: bool
+    build: Callable[[bool], None],
+    host: str,
+    port: int | None,
+    report: Callable[[str], None],
+    title: str,
+    *,
+    browser: bool,
 ) -> None:
-    """Serves pages until it is interrupted, with a `KeyboardInterrupt`."""
+    """Serves pages until it is interrupted, with a `KeyboardInterrupt`.
+
+    `build` declares the pages; its argument is whether other machines can reach them.
+    """
     listening = listen(host, port)
     import uvicorn
     from fastapi import FastAPI
@@ -102,7 +111,7 @@ def serve(
     app = FastAPI(openapi_url=None)
     # Quasar's bar at the top of a page has no name for people who hear it, and the page has progress of its own.
     pages.config.quasar_config["loadingBar"]["skipHijack"] = True
-    build()
+    build(is_open)
     ui.run_with(
         app,
         title=title,

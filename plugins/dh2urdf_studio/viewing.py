@@ -125,7 +125,8 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
         if number == MOST_FIGURES:
             raise InputError(say("too-many-robots", count=f"more than {MOST_FIGURES}", most=MOST_FIGURES))
         robot, _ = make_item(what, transform, edits)
-        yield Figure(robot=robot, manipulator=None if isinstance(what, Cell) else what, title=robot.name)
+        table = None if isinstance(what, Cell) else robot.manipulator
+        yield Figure(robot=robot, manipulator=table, title=robot.name, followers=robot.followers)
 
 
 class View(Tab):

@@ -69,7 +69,8 @@ def status(session: Session, errors: int) -> tuple[str, str]:
         return f"{which} still empty{shown}", ""
     moving = len(session.moving_rows)
     fixed = f" and {count(rows - moving, 'fixed joint', 'fixed joints')}" if rows > moving else ""
-    return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's", "good"
+    edited = f" with {count(len(session.arm_edits), 'edit', 'edits')}" if session.arm_edits else ""
+    return f"{count(moving, 'axis', 'axes')}{fixed}; the arm is the table's{edited}", "good"
 
 
 def remarks(opened: Opened) -> list[str]:

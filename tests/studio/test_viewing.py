@@ -87,3 +87,19 @@ def test_one_robot_and_wrong_files(catalog: Catalog, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         load_figures(wrong, catalog)
     assert [name for name in names[1:] if name not in str(caught.value)] == []
+
+
+def test_the_arms_of_a_run_file_are_edited(catalog: Catalog, tmp_path: Path) -> None:
+    """Joints have their new names, a hand is there, and its follower follows."""
+    hand = Path(__file__).parents[1] / "plugins" / "edits" / "hand.urdf"
+    (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d,theta\n0.3,0,0,0\n0.2,0,0,0\n")
+    edits = f"[{{stage: rename, options: {{prefix: my_}}}}, {{stage: attach, options: {{file: {hand}, name: hand}}}}]"
+    run = tmp_path / "run.yaml"
+    run.write_text(f"inputs: arm.csv\nemitters: [urdf]\nedits: {edits}\noutput: {{directory: build}}\n")
+    view = View(load_figures([run], catalog))
+    assert [slider.name for slider in view.sliders] == ["my_joint_1", "my_joint_2", "hand_left"]
+    view.move({"hand_left": 0.2})
+    assert view.q["hand_right"] == pytest.approx(0.001 - 0.05 * 0.2)
+    assert {"hand_left_finger", "frame 2"} <= {node.name for node in view.drawing.nodes}
+    assert np.allclose(tips(view)["tool0"][:3, 3], (0.5, 0.0, 0.0))
+    assert len(view.drawing.poses(view.q)) == len(view.drawing.nodes)

@@ -5,9 +5,11 @@ A run file gives nodes, the command line gives words; both come through `make_op
 
 from __future__ import annotations
 
+import math
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents.document import Node, expect_mapping, load_yaml
 from dh2urdf.errors import BrokenPluginError, InputError
@@ -103,3 +105,20 @@ def word_node(word: str, file: str = COMMAND_LINE.file) -> Node:
         elif isinstance(inner.value, list):
             waiting += inner.value
     return node
+
+
+def plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
+    """Options of a stage, or one of them, as plain data, as a run file gives them."""
+    if value is None or type(value) in (bool, int, str) or (isinstance(value, float) and math.isfinite(value)):
+        return value
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, dict):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if is_dataclass(value):
+        found: dict[str, Any] = {}
+        for each in fields(value):
+            own = plain(getattr(value, each.name))
+            found |= own if each.metadata.get("others") else {each.name: own}
+        return found
+    return str(value)

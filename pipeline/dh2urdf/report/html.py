@@ -27,9 +27,10 @@ from dh2urdf.conversion.robots import make_item
 from dh2urdf.errors import ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.layouts import Form
+from dh2urdf.plugin_system.options import plain
 from dh2urdf.quantities.number_text import format_number
 from dh2urdf.report.figures import ARMS, FARTHEST_DRAWN, Workspace, arm_skeleton, bars_figure, skeleton_figure
-from dh2urdf.report.manifest import plain, tables_of
+from dh2urdf.report.manifest import tables_of
 from dh2urdf.report.overview import MOST_DRAWN, checks
 from dh2urdf.report.verdicts import covered, notice_line
 from dh2urdf.source import printable

@@ -7,10 +7,9 @@ tables of the first manipulators, which are kept as their batches go to the work
 
 from __future__ import annotations
 
-import math
 import platform
 import shlex
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import asdict
 from hashlib import file_digest
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -26,6 +25,7 @@ from dh2urdf.errors import pip_install
 from dh2urdf.kinematics.facts import KinematicFacts, kinematic_facts, kinematic_facts_of_columns
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.output.whole_files import reporting_os_errors, write_all
+from dh2urdf.plugin_system.options import plain
 from dh2urdf.report.manifest_table import ManifestTable, can_write_parquet
 from dh2urdf.report.verdicts import FailureIndex, Verdicts
 
@@ -205,23 +205,6 @@ def reproduction(
         "joint_vectors": HOW_DRAWN,
         "citation": CITATION,
     }
-
-
-def plain(value: Any) -> Any:  # noqa: ANN401 - the value of any option
-    """Options of a stage, or one of them, as plain data, as a run file gives them."""
-    if value is None or type(value) in (bool, int, str) or (isinstance(value, float) and math.isfinite(value)):
-        return value
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, dict):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if is_dataclass(value):
-        found: dict[str, Any] = {}
-        for each in fields(value):
-            own = plain(getattr(value, each.name))
-            found |= own if each.metadata.get("others") else {each.name: own}
-        return found
-    return str(value)
 
 
 def _input(path: Path) -> InputEntry:

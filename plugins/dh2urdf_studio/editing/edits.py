@@ -138,6 +138,7 @@ class State:
     table: TableText
     keys: tuple[str, ...] = ()  # of its rows: a row keeps its key wherever it goes, and no other gets it
     number: int = 0  # of the table: one that was opened is another one
+    arm_edits: tuple[str, ...] = ()  # what is changed in the arm of the table, as `dh2urdf convert --edit` takes it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,10 +150,10 @@ class History:
     made: int = 0  # how many keys have been made
 
     @staticmethod
-    def of(table: TableText) -> History:
-        """A history that begins with a table."""
+    def of(table: TableText, arm_edits: Sequence[str] = ()) -> History:
+        """A history that begins with a table, and with edits of its arm."""
         keys = tuple(map(str, range(len(table.rows))))
-        return History(states=(State(table=table, keys=keys),), made=len(keys))
+        return History(states=(State(table=table, keys=keys, arm_edits=tuple(arm_edits)),), made=len(keys))
 
     @property
     def table(self) -> TableText:
@@ -170,6 +171,11 @@ class History:
         return self.states[self.position].number
 
     @property
+    def arm_edits(self) -> tuple[str, ...]:
+        """The edits of the arm as they are, in their order."""
+        return self.states[self.position].arm_edits
+
+    @property
     def earlier(self) -> list[TableText]:
         """The table as it is, and what it was before, the newest first."""
         return [state.table for state in self.states[self.position :: -1]]
@@ -184,14 +190,19 @@ class History:
         """Whether there is a state that was undone."""
         return self.position < len(self.states) - 1
 
-    def then(self, table: TableText, keys: Sequence[str | None] | None = None) -> History:
+    def then(
+        self, table: TableText, keys: Sequence[str | None] | None = None, arm_edits: Sequence[str] | None = None
+    ) -> History:
         """The history with a new state; what was undone before is forgotten, and so is what is very old.
+
+        The edits of the arm stay as they are where none are given.
 
         The keys are those of its first rows, None for new rows; further rows are new. Without them, each row is the one
         that had its number, unless its numbers are in other units or of another convention, where it had one: what was
         typed below the old header is not for the new one. No keys at all are those of another table.
         """
-        if table == self.table and (keys is None or (*keys,) == self.keys):
+        changes = self.arm_edits if arm_edits is None else (*arm_edits,)
+        if (table, changes) == (self.table, self.arm_edits) and (keys is None or (*keys,) == self.keys):
             return self
         number = max(state.number for state in self.states) + 1 if keys == () else self.number
         if keys is None:
@@ -201,7 +212,7 @@ class History:
         for key in [*keys, *[None] * count][:count]:
             own.append(str(made) if key is None else key)
             made += key is None
-        state = State(table=table, keys=tuple(own), number=number)
+        state = State(table=table, keys=tuple(own), number=number, arm_edits=changes)
         states = (*self.states[: self.position + 1], state)[-LONGEST_PAST:]
         return History(states=states, position=len(states) - 1, made=made)
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.commands.choices import edit_calls
 from dh2urdf.conversion.one_manipulator import in_format, read_items
 from dh2urdf.conversion.robots import make_robot
-from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.errors import Dh2UrdfError, InputError, ManipulatorError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system.calls import call_of, default_call
 from dh2urdf.plugin_system.option_types import choices, type_hints
@@ -24,13 +25,16 @@ from dh2urdf.table_text import ANGLE_UNITS, FIELDS, LENGTH_UNITS, STATEMENTS, Ta
 from dh2urdf_studio.editing.edits import begun
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Robot
-    from dh2urdf.stages import Transform
+    from dh2urdf.stages import Edit, Transform
 
 say = Messages(__file__)
 
+STUDIO = Mark(file="dh2urdf studio")
 _UNIT = re.compile(r"(?:length|angle)(?:-unit|:) ?(\w+)")
 """A unit in a reader's advice, which says how to declare it in a file or on the command line."""
 
@@ -42,10 +46,13 @@ class CellProblem:
     problem: Problem
     row: int | None = None  # its number, counted from 0; None where it is about the whole table
     field: str | None = None  # or the attribute of `TableText`; None where it is about a whole row or table
+    edit: int | None = None  # the number of the edit of the arm that it is about, counted from 0
 
     @property
     def text(self) -> str:
         """What is wrong and what to do, without the place in a file that nobody has seen."""
+        if self.edit is not None:  # A file that an edit names is there.
+            return str(self.problem)
         accepted = self.problem.accepted and f"accepted: {self.problem.accepted}"
         return "\n".join(filter(None, (self.problem.message, accepted, self.problem.suggestion)))
 
@@ -133,14 +140,52 @@ def _without_path(problem: Problem, path: Path, written: WrittenTable) -> Proble
 
 
 def make(
-    manipulator: Manipulator, variant: str, table: TableText, catalog: Catalog
+    manipulator: Manipulator,
+    variant: str,
+    table: TableText,
+    catalog: Catalog,
+    arm_edits: Sequence[Call[Edit[Any]]] = (),
 ) -> tuple[Robot | None, tuple[CellProblem, ...]]:
-    """The robot of a manipulator as a variant of the transform makes it; None, and why there is none."""
+    """The robot of a manipulator as a variant of the transform makes it, edited; None, and why there is none."""
     try:
-        return make_robot(manipulator, transform_call(catalog, variant)), ()
-    except ManipulatorError as error:
-        written = in_format([table], default_call(catalog, catalog.cell_reader()))
-        return None, tuple(_located(problem, written, table) for problem in error.problems)
+        return make_robot(manipulator, transform_call(catalog, variant), arm_edits), ()
+    except Dh2UrdfError as error:
+        if not arm_edits and not isinstance(error, ManipulatorError):
+            raise
+        problems = problems_of(error)
+    if arm_edits:  # Where the ones before it go well, it is the last edit that fails.
+        _, earlier = make(manipulator, variant, table, catalog, arm_edits[:-1])
+        return None, earlier or tuple(_of_edit(len(arm_edits) - 1, each, manipulator.mark) for each in problems)
+    written = in_format([table], default_call(catalog, catalog.cell_reader()))
+    return None, tuple(_located(problem, written, table) for problem in problems)
+
+
+def made_edits(
+    texts: Sequence[str], catalog: Catalog, earlier: Mapping[str, Call[Edit[Any]]]
+) -> tuple[dict[str, Call[Edit[Any]]], tuple[CellProblem, ...]]:
+    """Some edits as `dh2urdf convert --edit` has them, by their texts, and what is wrong with the others.
+
+    Those that were made earlier stay as they are: a file that one of them has read is not read again.
+    """
+    made, found = {}, list[CellProblem]()
+    for number, text in enumerate(texts):
+        try:
+            made[text] = earlier.get(text) or edit_calls([text], STUDIO, catalog)[0]
+        except Dh2UrdfError as error:
+            found += [_of_edit(number, each, STUDIO) for each in problems_of(error)]
+    return made, tuple(found)
+
+
+def _of_edit(number: int, problem: Problem, nowhere: Mark | None) -> CellProblem:
+    """A problem of an edit; what is in the table, or on the page, is in no file that a person knows."""
+    is_there = problem.mark and problem.mark.file != (nowhere and nowhere.file)
+    return CellProblem(problem=replace(problem, robot=None, mark=problem.mark if is_there else None), edit=number)
+
+
+def problems_of(error: Dh2UrdfError) -> tuple[Problem, ...]:
+    """What an error lists, or itself."""
+    listed = error.problems if isinstance(error, (InputError, ManipulatorError)) else ()
+    return listed or (Problem(message=str(error)),)
 
 
 def variants(catalog: Catalog) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ Everything goes through the functions of the command line, so that what is hande
 from __future__ import annotations
 
 import io
+import json
 import re
 import tempfile
 import zipfile
@@ -15,16 +16,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from dh2urdf.commands.choices import edit_calls
 from dh2urdf.commands.convert import POSES, as_named, carry_out, in_one_file
 from dh2urdf.conversion.one_manipulator import Recipe, in_format
-from dh2urdf.errors import EmitterError
+from dh2urdf.errors import EmitterError, ProofError
+from dh2urdf.meshes.files import FILE, FOLDER, RELATIVE, prefix_of
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import default_call
-from dh2urdf.source import Mark
+from dh2urdf.plugin_system.options import plain
 from dh2urdf.stages import Compares, Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES
 from dh2urdf.table_text.texts import yaml_word
-from dh2urdf_studio.editing.reading import transform_call
+from dh2urdf_studio.editing.reading import STUDIO, transform_call
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -56,25 +59,27 @@ def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
     yield "all", "", "Everything, as a zip"
 
 
-def saved(table: TableText, kind: str, name: str, variant: str, catalog: Catalog) -> Saved:
-    """One of the `savings` of a table.
+def saved(  # noqa: PLR0917 - of what, in which form
+    table: TableText, kind: str, name: str, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()
+) -> Saved:
+    """One of the `savings` of a table, or of its arm with some edits.
 
     Raises:
-        InputError: the table is not right, or the stage is not installed or cannot do so.
+        InputError: the table or an edit is not right, or the stage is not installed or cannot do so.
         ManipulatorError: the format cannot hold the table, or what was made is not its arm.
     """
     match kind:
         case "table":
             return table_file(table, name, catalog)
         case "other":
-            return other_file(table, name, variant, catalog)
+            return other_file(table, name, variant, catalog, arm_edits)
         case "robot":
             # The bytes of `dh2urdf convert TABLE --to FORMAT` on standard output.
             call = in_one_file(default_call(catalog, catalog.get("emitter", name)))
-            return _make(table, [call], variant, catalog)[0]
+            return _make(table, [call], variant, catalog, arm_edits)[0]
         case "run":
-            return run_file(table, variant, catalog)
-    files = all_files(table, variant, catalog)
+            return run_file(table, variant, catalog, arm_edits)
+    files = all_files(table, variant, catalog, arm_edits)
     there = {Path(file.name).suffix for file in files}
     missing = tuple(suffix for suffix in other_suffixes(catalog) if suffix not in there)
     written = io.BytesIO()
@@ -133,33 +138,39 @@ def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     return [stage for stage in stages if isinstance(stage, Emitter) and not stage.can(WritesFolders)]
 
 
-def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog) -> Saved:
+def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> Saved:
     """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix."""
     call = as_named(default_call(catalog, catalog.emitter_for(Path(f"arm{suffix}"))), Path(f"arm{suffix}"))
-    return _make(table, [call], variant, catalog)[0]
+    return _make(table, [call], variant, catalog, arm_edits)[0]
 
 
-def all_files(table: TableText, variant: str, catalog: Catalog) -> tuple[Saved, ...]:
+def all_files(table: TableText, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> tuple[Saved, ...]:
     """The table in every format that can hold it, the run file, and what `dh2urdf run` makes of it."""
     emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
     tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
-    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog)
+    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog, arm_edits)
     others: list[Saved] = []
     for suffix in other_suffixes(catalog):
-        with suppress(EmitterError):
-            others.append(other_file(table, suffix, variant, catalog))
-    return (*tables, *others, run_file(table, variant, catalog), *made)
+        with suppress(EmitterError, ProofError):  # a table has no place for what is attached
+            others.append(other_file(table, suffix, variant, catalog, arm_edits))
+    return (*tables, *others, run_file(table, variant, catalog, arm_edits), *made)
 
 
-def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
+def run_file(table: TableText, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> Saved:
     """A run file that does with the saved table what the studio does."""
     name = table_file(table, catalog.cell_reader().name, catalog).name
     transform = catalog.usual("transform")
     compares = transform.can(Compares)
     options = f"{compares.option}: {variant}" if compares else ""
+    changes = []
+    for call in edit_calls(arm_edits, STUDIO, catalog):
+        usual, given = plain(call.stage.options()), plain(call.options)
+        given = {key: value for key, value in given.items() if key not in usual or value != usual[key]}
+        changes.append(f"  - {{stage: {call.stage.name}, options: {json.dumps(given, ensure_ascii=False)}}}")
     lines = [
         f"inputs: {yaml_word(name)}",
         f"transform: {{stage: {transform.name}, options: {{{options}}}}}",
+        *(["edits:", *changes] if changes else ()),
         "emitters:",
         *(f"  - {{stage: {emitter}}}" for emitter in robot_formats(catalog)),
         f"output: {{directory: {yaml_word('build/' + Path(name).stem)}}}",
@@ -168,17 +179,30 @@ def run_file(table: TableText, variant: str, catalog: Catalog) -> Saved:
     return Saved(f"{Path(name).stem}_run.yaml", "\n".join(lines).encode())
 
 
-def _make(table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog) -> list[Saved]:
-    """The files of some emitters, made as `dh2urdf convert` makes them of the saved table."""
-    reader = default_call(catalog, catalog.cell_reader())
-    recipe = Recipe(transform=transform_call(catalog, variant), emitters=tuple(emitters), poses=POSES)
+def _make(
+    table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog, arm_edits: Sequence[str]
+) -> list[Saved]:
+    """The files of some emitters, made as `dh2urdf convert` makes them of the saved table.
+
+    A single file names meshes where they are; several come with copies.
+    """
+    reader, is_alone = default_call(catalog, catalog.cell_reader()), len(emitters) == 1
+    recipe = Recipe(
+        transform=transform_call(catalog, variant),
+        emitters=tuple(emitters),
+        edits=edit_calls(arm_edits, STUDIO, catalog),
+        poses=POSES,
+        mesh_prefix=prefix_of(FILE if is_alone else RELATIVE),
+    )
     with tempfile.TemporaryDirectory(prefix="dh2urdf-") as folder:
         file = table_file(table, reader.stage.name, catalog)
-        path = Path(folder) / file.name
+        path, output = Path(folder) / file.name, Path(folder) / "output"
         path.write_bytes(file.content)
-        made = carry_out(path, None, reader, recipe, Mark(file="dh2urdf studio"))
-    return [
+        made = carry_out(path, None if is_alone else output, reader, recipe, STUDIO)
+        copies = [Saved(f"{FOLDER}/{mesh.name}", mesh.read_bytes()) for mesh in sorted((output / FOLDER).glob("*"))]
+    files = [
         Saved(file.name, file.content, emitted.proof if file is emitted.files[0] else None)
         for emitted in made.written
         for file in emitted.files
     ]
+    return [*files, *copies]

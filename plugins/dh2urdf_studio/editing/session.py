@@ -4,20 +4,34 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from dh2urdf.conversion.robots import edited_table
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, dh_frames, forward_kinematics, position_error
 from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
+from dh2urdf.plugin_system.calls import Call
 from dh2urdf.robot import Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
+from dh2urdf.source import Problem
+from dh2urdf.stages import Edit
 from dh2urdf.table_text import FIELDS, TableText
+from dh2urdf.table_text.texts import table_text
 from dh2urdf_studio import joints
 from dh2urdf_studio.drawing.parts import PAPER
 from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure, extent
 from dh2urdf_studio.drawing.strokes import Stroke, moving_frame
 from dh2urdf_studio.editing import conversions, edits
 from dh2urdf_studio.editing.comparing import Beside, beside
-from dh2urdf_studio.editing.reading import CellProblem, Reading, make, read, read_whole, variants
+from dh2urdf_studio.editing.reading import (
+    CellProblem,
+    Reading,
+    made_edits,
+    make,
+    read,
+    read_whole,
+    transform_call,
+    variants,
+)
 from dh2urdf_studio.tab import Tab
 
 if TYPE_CHECKING:
@@ -37,9 +51,13 @@ class OpenArm:
     """The last table that was right, as robots."""
 
     table: TableText
-    keys: tuple[str, ...]  # of its rows
-    manipulator: Manipulator
-    robot: Robot  # of the exact variant
+    keys: tuple[str, ...]  # of its rows; none where an edit has changed their number
+    given: Manipulator  # the table
+    manipulator: Manipulator  # the table after the edits
+    robot: Robot  # of the exact variant, after the edits
+    typed: TableText  # the texts of the table after the edits
+    edits: tuple[Call[Edit[Any]], ...] = ()
+    remarks: tuple[Problem, ...] = ()  # the notices of the edits
     other: Robot | None = None  # of the other variant; None where there is none, it is not shown, or it refuses
     refusal: tuple[CellProblem, ...] = ()  # why it does
 
@@ -47,10 +65,14 @@ class OpenArm:
 class Session(Tab):
     """What a tab of the studio shows."""
 
-    def __init__(self, catalog: Catalog, table: TableText | None = None) -> None:
+    def __init__(
+        self, catalog: Catalog, table: TableText | None = None, arm_edits: Sequence[str] = (), *, may_edit: bool = True
+    ) -> None:
         super().__init__("links", "axes", "frames", "outlines")
         self.catalog = catalog
-        self.history = edits.History.of(table or TableText(name="arm"))
+        self.history = edits.History.of(table or TableText(name="arm"), arm_edits)
+        self.may_edit = may_edit  # whether a person may change the edits of the arm, which may name any file
+        self._edits: dict[str, Call[Edit[Any]]] = {}  # those that can be made, by their texts
         self.arm: OpenArm | None = None  # the last one that could be made
         self.variants = variants(catalog)  # of the transform, the usual one first
         self.variant = self.variants[0]  # which of them is shown, or `BOTH`
@@ -74,6 +96,15 @@ class Session(Tab):
         return self.history.table
 
     @property
+    def arm_edits(self) -> tuple[str, ...]:
+        """What is changed in the arm of the table, in order: texts as `dh2urdf convert --edit` takes them."""
+        return self.history.arm_edits
+
+    def edit_arm(self, texts: Sequence[str]) -> None:
+        """Other edits of the arm, or the same in another order."""
+        self._go_to(self.history.then(self.table, arm_edits=[each for text in texts if (each := edits.clean(text))]))
+
+    @property
     def name(self) -> str:
         """The name of the arm."""
         return self.table.name
@@ -87,7 +118,7 @@ class Session(Tab):
     @property
     def moving_rows(self) -> list[int]:
         """The numbers of the rows that move, and so are axes."""
-        made = zip(self.arm.table.rows, self.arm.manipulator.rows, strict=False) if self.arm else ()
+        made = zip(self.arm.table.rows, self.arm.given.rows, strict=False) if self.arm else ()
         # The last arm knows what fixed joints are called beside ``fixed``.
         names = {typed["type"] for typed, row in made if row.type is JointType.FIXED and "type" in typed}
         return [number for number, row in enumerate(self.table.rows) if row.get("type") not in {"fixed", *names}]
@@ -272,8 +303,8 @@ class Session(Tab):
         """How far the other variant's tool0 is from the arm's [m, rad]; None where there is none."""
         if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
             return None
-        q = [self.q.get(joint.name, 0.0) for joint in self.arm.other.moving_joints]
-        found = KinematicChain.between(self.arm.other).forward_kinematics(q)
+        chain = KinematicChain.between(self.arm.other)
+        found = chain.forward_kinematics([self.q.get(joint.name, 0.0) for joint in chain.moving])
         return position_error(pose, found), angle_error(pose, found)
 
     @property
@@ -288,7 +319,7 @@ class Session(Tab):
             self._before_preview = None
             self._draw()
         self.reading = read(self.table, self.catalog)
-        self.problems_of_making = ()
+        self._edits, self.problems_of_making = made_edits(self.arm_edits, self.catalog, self._edits)
         if self.reading.waiting == len(self.table.rows):  # Nothing has been begun: no arm was ever this table's.
             self.arm = None
             self._draw()
@@ -297,14 +328,33 @@ class Session(Tab):
 
     def _take(self, reading: Reading) -> bool:
         """Makes the arm of a reading, where there is one."""
-        manipulator = reading.manipulator
-        if manipulator is None:
+        given, variant = reading.manipulator, self.variants[0]
+        if given is None or not set(self.arm_edits) <= self._edits.keys():
             return False
-        robot, problems = make(manipulator, self.variants[0], reading.table, self.catalog)
+        changes = tuple(self._edits[text] for text in self.arm_edits)
+        robot, problems = make(given, variant, reading.table, self.catalog, changes)
         if robot is None:
             self.problems_of_making = problems
             return False
-        self.arm = OpenArm(table=reading.table, keys=self.history.keys, manipulator=manipulator, robot=robot)
+        table, keys, typed = given, self.history.keys, reading.table
+        remarks = robot.notices
+        if changes:
+            table = edited_table(given, transform_call(self.catalog, variant), changes)
+            plain, _ = make(given, variant, typed, self.catalog)
+            remarks = tuple(each for each in remarks if plain is None or each not in plain.notices)
+        if table.rows != given.rows:
+            typed = table_text(table, typed.length_unit, typed.angle_unit)
+            keys = keys if len(table.rows) == len(given.rows) else ()
+        self.arm = OpenArm(
+            table=reading.table,
+            keys=keys,
+            given=given,
+            manipulator=table,
+            robot=robot,
+            typed=typed,
+            edits=changes,
+            remarks=remarks if changes else (),
+        )
         self._draw()
         return True
 
@@ -312,7 +362,8 @@ class Session(Tab):
         self.beside = None
         if self.variant != self.variants[0] and self.arm is not None and not (self.arm.other or self.arm.refusal):
             # No letter has to wait for the other variant while it is not shown.
-            robot, problems = make(self.arm.manipulator, self.variants[-1], self.arm.table, self.catalog)
+            arm = self.arm
+            robot, problems = make(arm.given, self.variants[-1], arm.table, self.catalog, arm.edits)
             self.arm = replace(self.arm, other=robot, refusal=problems)
         if self.arm is None:
             self.drawing, self.sliders = Drawing(), ()
@@ -321,21 +372,24 @@ class Session(Tab):
         figures = []
         if variant in (BOTH, self.variants[0]) or arm.other is None:
             title = "the arm" if variant == BOTH and arm.other else ""
-            figures.append(Figure(robot=arm.robot, manipulator=arm.manipulator, typed=arm.table, title=title))
+            # An edit may make another arm than the table's; that has no DH frames.
+            table = arm.manipulator if arm.robot.manipulator else None
+            led = arm.robot.followers
+            figures.append(Figure(robot=arm.robot, manipulator=table, typed=arm.typed, title=title, followers=led))
         elif variant == self.variants[-1]:
-            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False))
+            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False, followers=arm.other.followers))
         if variant == BOTH and arm.other is not None:
             aside = 0.6 * max(extent(arm.robot), extent(arm.other))
             place, name = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0)), self.variants[-1]
             other = Figure(robot=arm.other, name=f"{name}/", place=place, tint=PAPER, title=name, link_frames=False)
-            figures.append(other)
+            figures.append(replace(other, followers=arm.other.followers))
         if self._described is not None:
             described, base, tip = self._described
             self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)
             figures.append(self.beside.figure)
         self.drawing = Drawing.of(figures)
-        before, table = self.sliders, arm.table
-        self.sliders = joints.sliders(arm.robot.moving_joints, table.length_unit, table.angle_unit)
+        before, units = self.sliders, (arm.table.length_unit, arm.table.angle_unit)
+        self.sliders = joints.sliders(arm.robot.actuated_joints, *units)
         self.poses = [joints.renamed(pose, before, self.sliders) for pose in self.poses]
         self.q = joints.kept(joints.renamed(self.q, before, self.sliders), self.sliders)
 
@@ -346,7 +400,9 @@ class Session(Tab):
     def _moving(self, joint: str) -> str | None:
         names = [slider.name for slider in self.sliders]
         own = {f"{self.variants[-1]}/{name}": name for name in names} | {name: name for name in names}
-        return (own if self.beside is None else own | self.beside.named(names)).get(joint)
+        if self.beside is not None and self.arm is not None:
+            own |= self.beside.named([row.joint for row in self.arm.manipulator.moving_rows])
+        return own.get(joint)
 
     def joint_values(self) -> dict[str, float]:
         """The pose on the screen by the names of all joints in the drawing [rad or m]."""

@@ -98,7 +98,8 @@ class ComparingPanel(Panel):
             element.set_visibility(self._figure is not None)
         agreement = found.agreement if found is not None else None
         differs = agreement is not None and agreement.difference is not None and not agreement.holds
-        self._adopt.set_visibility(differs and session.reading.is_whole)
+        # The numbers of the table after its edits are not those in the cells.
+        self._adopt.set_visibility(differs and session.reading.is_whole and not session.arm_edits)
         if not self._is_open or self._figure is None:
             return
         self._numbers.set_content("")

@@ -10,13 +10,14 @@ import math
 import os
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.documents import lost_references
-from dh2urdf.errors import ConfigError, RobotError
+from dh2urdf.errors import ConfigError, InputError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
 from dh2urdf.manipulator import TOOL, WORLD, JointType
@@ -260,10 +261,8 @@ def _environment_packages() -> dict[str, Path]:
     for variable, inner in PACKAGE_VARIABLES.items():
         folders = [Path(each) / inner for each in os.environ.get(variable, "").split(os.pathsep) if each]
         for folder in reversed([each for each in folders if each.is_dir()]):
-            try:
+            with suppress(InputError):  # a folder of an overlay that holds no package
                 found |= packages_in([folder])
-            except ConfigError:  # a folder of an overlay that holds no package
-                continue
     return found
 
 

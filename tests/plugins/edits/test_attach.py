@@ -248,6 +248,28 @@ def test_two_meshes_of_one_name_stay_two(convert: Callable[..., tuple[Path, Robo
     assert found == bodies
 
 
+@pytest.mark.parametrize(("variable", "inner"), [("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")])
+def test_packages_of_the_environment_are_found(
+    variable: str,
+    inner: str,
+    convert: Callable[..., tuple[Path, Robot]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Among folders that are not there or hold no package."""
+    package = tmp_path / "overlay" / inner / "hands"
+    package.mkdir(parents=True)
+    (tmp_path / "empty" / inner).mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>hands</name></package>", "utf-8")
+    (package / "palm.stl").write_bytes(b"solid palm\nendsolid\n")
+    folders = [tmp_path / name for name in ("gone", "empty", "overlay")]
+    monkeypatch.setenv(variable, ":".join(map(str, folders)))
+    visual = '<visual><geometry><mesh filename="package://hands/palm.stl"/></geometry></visual>'
+    convert(".urdf", HAND.replace('<link name="tool0"/>', f'<link name="tool0">{visual}</link>'))
+    (copy,) = (tmp_path / "meshes").glob("palm-*.stl")
+    assert copy.read_bytes() == b"solid palm\nendsolid\n"
+
+
 def test_a_xacro_gets_arguments_and_packages(tmp_path: Path) -> None:
     """The expansion of a strange file goes through the fence, and package:// addresses to the folders that are named."""
     package = tmp_path / "hands"

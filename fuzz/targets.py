@@ -141,7 +141,7 @@ def _check_problems(problems: Iterable[Problem], severity: str) -> None:
 
 def _check_arm(arm: Manipulator) -> None:
     """An arm's DH product is finite, and its description has the same kinematics, or it is refused with a reason."""
-    home = forward_kinematics(arm, [0.0] * len(arm.moving_rows))
+    home = forward_kinematics(arm, [0.0] * len(arm.actuated_rows))
     _check_rigid(home)
     try:
         robot = make_robot(arm, Call(stage=TRANSFORM, options=TRANSFORM.options()))

@@ -468,7 +468,9 @@ def test_the_example_of_every_field_is_a_value_of_it(name: str, read: Callable[.
     for group in (("lower", "upper"), fields.COM, ("mass", *fields.INERTIA), ("mass", "inertia")):
         if name in group and name != "mass":
             cells |= {other: examples[other] for other in group}
-    read(table_of(",".join(cells), ",".join(cells.values()), "")).arm()
+    rows = [",".join(cells.values())]
+    rows += [",".join({**cells, name: ""}.values())] if name == "follows" else []  # the leader
+    read(table_of(",".join(cells), "\n".join(rows), "")).arm()
 
 
 @pytest.mark.parametrize(("convention", "formula"), of_tables("conventions"))

@@ -9,9 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import ExactRecord, Record, function_of, refuse, unchecked
+from dh2urdf.quantities.number_text import format_number
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.shapes import (
     Inertia,
@@ -20,12 +23,12 @@ from dh2urdf.shapes import (
     MeshShape,
     Payload,
 )
-from dh2urdf.source import Mark, Problem
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
-    from typing import TypeAlias
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import Any, TypeAlias
 
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
@@ -52,10 +55,14 @@ __all__ = [
     "MeshFile",
     "MeshShape",
     "Payload",
+    "leader_problems",
     "new_dh_row",
     "new_inertia",
     "new_limits",
+    "whole_laws",
 ]
+
+say = Messages(__file__)
 
 WORLD = "world"
 """The link that stands still: the root of a cell, and a name that simulators keep for themselves."""
@@ -136,6 +143,12 @@ class Follower(NamedTuple):
         offset = self.offset + self.multiplier * leader.offset
         return Follower(leader.leader, self.multiplier * leader.multiplier, offset)
 
+    def text(self, offset: str) -> str:
+        """The law as tables write it, ``-j2`` or ``0.5 * j2 + pi/2``, given the text of its offset."""
+        factor = {1.0: "", -1.0: "-"}.get(self.multiplier, f"{format_number(self.multiplier)} * ")
+        added = f" - {offset[1:]}" if offset.startswith("-") else f" + {offset}"
+        return f"{factor}{self.leader}{added if self.offset else ''}"
+
     def rate(self, leading: float) -> float:
         """How fast the joint moves for each rad or m of the leader, at a value of that."""
         powers = ((power + 2) * factor * leading ** (power + 1) for power, factor in enumerate(self.higher))
@@ -185,6 +198,7 @@ class DHRow(ExactRecord):
         damping: viscous friction of the joint [N·m·s/rad or N·s/m].
         friction: static friction of the joint [N·m or N].
         armature: inertia of the motor's rotor as the joint feels it, behind the gear [kg·m² or kg].
+        follows: the joint whose value decides q of this one, and how; None where the joint moves by itself.
         visual: the mesh that the link is seen as.
         collision: the mesh that the link touches with.
         mark: the row in its file.
@@ -207,6 +221,7 @@ class DHRow(ExactRecord):
     damping: float | None = None
     friction: float | None = None
     armature: float | None = None
+    follows: Follower | None = None
     visual: MeshShape | None = None
     collision: MeshShape | None = None
     mark: Mark | None = field(default=None, compare=False)
@@ -222,6 +237,10 @@ class DHRow(ExactRecord):
             for name, allowed in (("offset", 0.0), ("sign", 1)):
                 if (value := getattr(self, name)) != allowed:
                     refuse(self, name, "fixed-joint-moves", value, name=name, allowed=allowed)
+            if self.follows:
+                refuse(self, "follows", "fixed-joint-follows", self.follows.leader)
+        if self.follows and (self.follows.higher or not self.follows.is_finite):
+            refuse(self, "follows", "law-not-linear", str(tuple(self.follows)))
         lower, upper = self.limits.lower, self.limits.upper
         if lower is not None and upper is not None and lower > upper:
             refuse(self, "limits.lower", "lower-above-upper", lower, lower=lower, upper=upper)
@@ -280,11 +299,24 @@ class Manipulator(ExactRecord):
                 numbers = [index for index, word in enumerate(names) if word == twin]
                 place = f"rows[{numbers[1]}].{name}"
                 refuse(self, place, "rows-alike", twin, first=numbers[0], second=numbers[1], what=name, word=twin)
+        if problems := [*leader_problems(self.rows)]:
+            own = Mark(file=f"{type(self).__name__}()")
+            raise RecordValueError(problem.about(robot=self.name, mark=own) for problem in problems)
 
     @property
     def moving_rows(self) -> tuple[DHRow, ...]:
-        """The rows that have a joint value, in order: q has one entry for each."""
+        """The rows whose joints move, in order: by themselves, or because they follow another one."""
         return tuple(row for row in self.rows if row.type is not JointType.FIXED)
+
+    @property
+    def actuated_rows(self) -> tuple[DHRow, ...]:
+        """The rows whose joints move by themselves, in order: q has one entry for each."""
+        return tuple(row for row in self.rows if row.type is not JointType.FIXED and row.follows is None)
+
+    @property
+    def followers(self) -> dict[str, Follower]:
+        """The joints that follow another one, by name, and how they follow the one that moves by itself."""
+        return whole_laws({row.joint: row.follows for row in self.rows if row.follows})
 
     @classmethod
     def from_dh(
@@ -372,15 +404,16 @@ class Manipulator(ExactRecord):
         """Forward kinematics: the DH product at one joint vector or at many.
 
         Args:
-            q: joint vectors of shape (..., n), one value per moving row [rad or m]; or a mapping from the names of all
-                moving joints to a value, or to an array of values, for each.
-            full: whether q has a value for every row instead, which is 0 for fixed ones.
+            q: joint vectors of shape (..., n), one value per actuated row [rad or m]; or a mapping from the names of
+                these joints to a value, or to an array of values, for each. Joints that follow another one have no
+                value here.
+            full: whether q has a value for every row instead, which is 0 for fixed ones and for followers.
 
         Returns:
             T(base_link → tool0) of shape (..., 4, 4), lengths in m.
 
         Raises:
-            RecordError: the joint vectors have another number of values than the table has moving rows, a joint is
+            RecordError: the joint vectors have another number of values than the table has actuated rows, a joint is
                 unknown or missing, or a value is not a finite number. It is a TypeError or a ValueError, too.
         """
         return function_of("kinematics.pose_arrays.table_pose")(self, q, full=full)
@@ -411,10 +444,10 @@ class Manipulator(ExactRecord):
 
         Args:
             q: joint vectors as `fk` accepts them.
-            full: whether q has a value for every row. The Jacobian has a column for each moving row, even so.
+            full: whether q has a value for every row. The Jacobian has a column for each actuated row, even so.
 
         Returns:
-            Matrices of shape (..., 6, n), a column for each moving row.
+            Matrices of shape (..., 6, n), a column for each actuated row; what follows it is in its column.
 
         Raises:
             RecordError: as of `fk`.
@@ -425,12 +458,47 @@ class Manipulator(ExactRecord):
         """Name, convention, number of moving joints and the types of the rows: R, C, P, and F for fixed."""
         types = "".join(row.type.value[0].upper() for row in self.rows)
         shown_types = types if len(types) <= _SHOWN_TYPES else f"{types[:_SHOWN_TYPES]}…"
-        axes = len(self.moving_rows)
+        axes = len(self.actuated_rows)
         return f"<Manipulator {self.name!r}: {self.convention}, {axes} {'axis' if axes == 1 else 'axes'} {shown_types}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table and, with matplotlib, a drawing of the arm."""
         return function_of("report.notebook.manipulator_html")(self)
+
+
+def whole_laws(followers: Mapping[str, Follower]) -> dict[str, Follower]:
+    """The linear laws of followers, each referred to the joint at the end of its leaders, which follows none."""
+    whole: dict[str, Follower] = {}
+    for name in followers:
+        way = [name]
+        while way[-1] in followers and way[-1] not in whole:
+            way.append(followers[way[-1]].leader)
+        for each, leader in reversed([*pairwise(way)]):
+            law = followers[each]
+            whole[each] = law.behind(whole[leader]) if leader in whole else law
+    return whole
+
+
+def leader_problems(rows: Sequence[DHRow]) -> Iterator[Problem]:
+    """What is wrong with the leaders of rows that follow others; each problem names its row's joint."""
+    laws = {row.joint: row.follows for row in rows if row.follows}
+    named = {row.joint: row for row in rows} if laws else {}
+    for name, law in laws.items():
+        row, leader = named[name], named.get(law.leader)
+        about: dict[str, Any] = {"joint": name, "field": "follows", "found": law.leader}
+        if leader is None:
+            near = did_you_mean(law.leader, [other for other in named if other != name])
+            yield say("leader-unknown", row.mark, **about, suggestion=near)
+        elif leader.type is JointType.FIXED:
+            yield say("leader-fixed", row.mark, **about)
+        elif (leader.type is JointType.PRISMATIC) is not (row.type is JointType.PRISMATIC):
+            yield say("leader-moves-otherwise", row.mark, **about, own=row.type, other=leader.type)
+        else:
+            way = [name]
+            while (after := laws.get(way[-1])) and after.leader not in way:
+                way.append(after.leader)
+            if after and after.leader == name:
+                yield say("leaders-in-circle", row.mark, **about, circle=way)
 
 
 # Constructors without checks, for stages that have computed the values: see `dh2urdf.fields.unchecked`.

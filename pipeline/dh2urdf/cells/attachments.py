@@ -20,7 +20,7 @@ from dh2urdf.documents import lost_references
 from dh2urdf.errors import ConfigError, InputError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
-from dh2urdf.manipulator import TOOL, WORLD, JointType
+from dh2urdf.manipulator import TOOL, WORLD, JointType, whole_laws
 from dh2urdf.meshes.addresses import mesh_finder, packages_in, with_its_own
 from dh2urdf.meshes.files import find_mesh
 from dh2urdf.robot import WEIGHTLESS, Attachment, Joint, Link, Mesh, Origin, Robot, following
@@ -357,14 +357,21 @@ def _carrying(robot: Robot, attachment: Attachment) -> list[Joint]:
         return [*robot.joints]
     moment += mass * norm(attachment.placement.xyz)
     above = {joint.child: joint for joint in robot.joints}
-    efforts: dict[str, Any] = {}
+    loads: dict[str, Any] = {}
     link = attachment.parent
     while (joint := above.get(link)) is not None:
-        if joint.name in robot.loaded and joint.limits.effort is not None:
-            load = mass if joint.type is JointType.PRISMATIC else moment
-            efforts[joint.name] = mapped(_rounded_up, joint.limits.effort, SAFETY * GRAVITY * load)
+        if joint.type is not JointType.FIXED:
+            loads[joint.name] = mass if joint.type is JointType.PRISMATIC else moment
         moment = moment + mass * (norm(joint.origin.xyz) + _travel(joint))
         link = joint.parent
+    for name, law in whole_laws(robot.followers).items():  # a leader bears what its followers do, too
+        if name in loads:
+            loads[law.leader] = loads.get(law.leader, 0.0) + abs(law.multiplier) * loads[name]
+    efforts = {
+        joint.name: mapped(_rounded_up, joint.limits.effort, SAFETY * GRAVITY * loads[joint.name])
+        for joint in robot.joints
+        if joint.name in loads and joint.name in robot.loaded and joint.limits.effort is not None
+    }
     return [
         replace_unchecked(each, limits=replace_unchecked(each.limits, effort=efforts[each.name]))
         if each.name in efforts

@@ -15,7 +15,7 @@ from dh2urdf.cells.attachments import attached, prefixed_joint, prefixed_link
 from dh2urdf.columns import ManipulatorGroups, RowField
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics
+from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics, joints_between
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
 from dh2urdf.quantities import Dimension
@@ -300,7 +300,7 @@ def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
     """Where the tables have tool0 of every arm of a cell; the robots say where the links stand that hold other arms."""
     calls = {arm.name: arm for arm in cell.call.arms}
     arms = [arm for arm in cell.call.arms if arm.part is None]
-    rows = [(arm, row) for arm in arms for row in cell.manipulators[arm.of].moving_rows]
+    rows = [(arm, row) for arm in arms for row in cell.manipulators[arm.of].actuated_rows]
     joints = tuple(arm.prefix + row.joint for arm, row in rows)
     columns = {name: column for column, name in enumerate(joints)}
     before: dict[str, tuple[Stretch, ...]] = {}  # the way to what holds each arm
@@ -316,15 +316,13 @@ def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
             before[arm.name], root = (*before[holder.name], _stretch(holder, held)), roots[holder.name]
         roots[arm.name] = root
         way = (*before[arm.name], _stretch(arm, cell.manipulators[arm.of]))
-        names = [name for stretch in way for name in stretch.joints]
-        of_tip = tuple(columns[name] for name in names)
-        tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=of_tip, root=root))
+        own = {name: columns[name] for stretch in way for name in stretch.leading}
+        tips.append(Tip(link=arm.prefix + TOOL, way=way, columns=own, root=root))
     return ExpectedPoses(name=cell.name, root=WORLD, tips=tuple(tips), joints=joints, mark=cell.mark)
 
 
 def _stretch(arm: ArmCall, table: Manipulator) -> Stretch:
-    joints = tuple(arm.prefix + row.joint for row in table.moving_rows)
-    return Stretch(table, joints, arm.placement.transform)
+    return Stretch(table, arm.prefix, arm.placement.transform)
 
 
 def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
@@ -335,10 +333,11 @@ def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
     """
     if link == TOOL:
         return table
-    chain = KinematicChain.between(robot, robot.root, link)
+    chain = KinematicChain.of(joints_between(robot, robot.root, link))
     moving = sum(joint.type is not JointType.FIXED for joint in chain.joints)
     numbers = [number for number, row in enumerate(table.rows, start=1) if row.type is not JointType.FIXED]
-    rows = table.rows[: numbers[moving - 1]] if moving else ()
-    zero = [0.0] * moving
-    frame = forward_kinematics(replace_unchecked(table, rows=rows, tool=IDENTITY), zero)
+    rows, zero = table.rows[: numbers[moving - 1]] if moving else (), [0.0] * moving
+    free = tuple(replace_unchecked(row, follows=None) for row in rows)
+    frame = forward_kinematics(replace_unchecked(table, rows=free, tool=IDENTITY), zero)
+    rows = tuple(replace_unchecked(row, follows=table.followers.get(row.joint)) for row in rows)
     return replace_unchecked(table, rows=rows, tool=frame.inverse @ chain.forward_kinematics(zero))

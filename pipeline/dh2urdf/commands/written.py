@@ -15,7 +15,6 @@ from dh2urdf.conversion.one_manipulator import in_format, read_items
 from dh2urdf.errors import ProofError, RecordValueError, RobotError
 from dh2urdf.kinematics.chain import KinematicChain, angle_error, position_error
 from dh2urdf.kinematics.proof import TOLERANCE
-from dh2urdf.manipulator import JointType
 from dh2urdf.meshes.files import FILE, located, prefix_of
 from dh2urdf.output.spooled import spooled
 from dh2urdf.output.whole_files import safe_stem, write_whole
@@ -177,7 +176,8 @@ def _compare(robot: Robot, described: Robot, mark: Mark) -> None:
     parents = {joint.parent for joint in robot.joints}
     for tip in (joint.child for joint in robot.joints if joint.child not in parents):
         given, found = (KinematicChain.between(each, robot.root, tip) for each in (robot, described))
-        limits = [joint.limits for joint in given.joints if joint.type is not JointType.FIXED]
+        joints = {joint.name: joint for joint in robot.joints}
+        limits = [joints[name].limits for name in given.actuated]
         for part in (0.0, 1.0, 0.3, 0.7):
             q = []
             for number, each in enumerate(limits):

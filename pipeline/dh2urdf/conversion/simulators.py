@@ -177,7 +177,8 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
     values = [*whole_vectors(robot, [dict(zip(expected.joints, q, strict=True)) for q in poses])]
     for tip in expected.tips:
         chain = KinematicChain.between(robot, tip.root or expected.root, tip.link)
-        found = (tip.pose(q) if recipe.keeps_kinematics else chain.forward_kinematics(tip.values(q)) for q in poses)
+        numbers, keeps = [tip.columns[name] for name in chain.actuated], recipe.keeps_kinematics
+        found = (tip.pose(q) if keeps else chain.forward_kinematics([q[number] for number in numbers]) for q in poses)
         if tip.root is not None:
             found = (link_poses(robot, q)[tip.root] @ pose for q, pose in zip(values, [*found], strict=True))
         frames[tip.link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)

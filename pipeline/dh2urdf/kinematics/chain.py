@@ -12,14 +12,14 @@ Robotics, 3rd edition, eq. 3.6) for the modified one; Rodrigues' formula for the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from itertools import count
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, rotation_about, values_of
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
-from dh2urdf.robot import with_followers
+from dh2urdf.robot import leader_of, with_followers
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -43,12 +43,14 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from dh2urdf.manipulator import Follower
     from dh2urdf.robot import Joint, Robot
 
 say = Messages(__file__)
 
 JointVector: TypeAlias = Sequence[Any]
-"""One value per moving joint, each a float or an array [rad or m]."""
+"""One value per joint that moves by itself, each a float or an array [rad or m]."""
+NO_FOLLOWERS: Mapping[str, Follower] = MappingProxyType({})
 
 
 def dh_transform(convention: Convention, *, a: Any, alpha: Any, d: Any, theta: Any) -> RigidTransform:  # noqa: ANN401 - floats and arrays alike
@@ -101,12 +103,12 @@ def forward_kinematics(manipulator: Manipulator, q: JointVector) -> RigidTransfo
 
     Args:
         manipulator: the table.
-        q: one value per moving joint [rad or m].
+        q: one value per joint that moves by itself [rad or m].
 
     Raises:
-        ValueError: q has another number of entries than the table has moving joints.
+        ValueError: q has another number of entries than the table has such joints.
     """
-    values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    values = _values(q, len(manipulator.actuated_rows), manipulator.name)
     return table_chain(manipulator).walk(values)[0].transform
 
 
@@ -119,24 +121,30 @@ def table_chain(manipulator: Manipulator) -> CompiledChain:
 
 
 def compile_table(
-    chain: CompiledChain, manipulator: Manipulator, joints: Sequence[int] | None = None, *, with_frames: bool = False
+    chain: CompiledChain,
+    manipulator: Manipulator,
+    numbers: Mapping[str, int] | None = None,
+    *,
+    with_frames: bool = False,
 ) -> None:
     """Add base · A_1 · … · A_N · tool to a chain; takes columns.
 
-    The moving joints have these numbers in the joint vector, or are counted from 0. With frames, a walk stops before
-    the first row and after each: it returns the DH frames 0 … N.
+    The joints that move by themselves have these numbers in the joint vector, or are counted from 0. With frames, a
+    walk stops before the first row and after each: it returns the DH frames 0 … N.
     """
     chain.transform(manipulator.base)
     if with_frames:
         chain.stop()
-    numbers = count() if joints is None else iter(joints)
+    if numbers is None:
+        numbers = {row.joint: number for number, row in enumerate(manipulator.actuated_rows)}
+    numbers = numbered(chain, [row.joint for row in manipulator.moving_rows], manipulator.followers, numbers)
     is_standard = manipulator.convention is Convention.STANDARD
     for row in manipulator.rows:
         if not is_standard:
             chain.move(0, row.a)
             chain.turn(0, row.alpha)
         theta, d = joint_variables(row)
-        number = None if row.type is JointType.FIXED else next(numbers)
+        number = numbers.get(row.joint)
         slides = row.type is JointType.PRISMATIC
         chain.turn(2, theta, joint=None if slides else number, sign=row.sign)
         chain.move(2, d, joint=number if slides else None, factor=row.sign)
@@ -148,16 +156,45 @@ def compile_table(
     chain.transform(manipulator.tool)
 
 
+def numbered(
+    chain: CompiledChain, joints: Iterable[str], followers: Mapping[str, Follower], numbers: Mapping[str, int]
+) -> dict[str, int]:
+    """The numbers of some moving joints in a walk: those that are known, and those of the joints that follow them."""
+    known = {**numbers}
+    for name in joints:
+        way = [name]
+        while way[-1] and way[-1] not in known:
+            way.append(followers[way[-1]].leader)
+        for each in reversed(way[:-1]):
+            law = followers[each]
+            known[each] = chain.follow(known[law.leader] if law.leader else None, law)
+    return known
+
+
+def leading(joints: Sequence[Joint], followers: Mapping[str, Follower]) -> tuple[str, ...]:
+    """Names of the joints that decide where some joints are: of these in order, then of others that they follow."""
+    moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
+    leaders = [leader for name in moving if (leader := leader_of(name, followers))]
+    return tuple(dict.fromkeys([*(name for name in moving if name not in followers), *leaders]))
+
+
 def compile_joints(
-    joints: Sequence[Joint], numbers: Sequence[int] | None = None, *, with_axes: bool = False
+    joints: Sequence[Joint],
+    numbers: Mapping[str, int] | None = None,
+    followers: Mapping[str, Follower] = NO_FOLLOWERS,
+    *,
+    with_axes: bool = False,
 ) -> CompiledChain:
     """The way along joints of a description, from the root outwards, each with its origin and motion; takes columns.
 
-    The moving ones have these numbers in the joint vector, or are counted from 0. With axes, a walk stops where each of
-    them is, before it moves.
+    Those that follow none have these numbers in the joint vector, or are counted from 0. With axes, a walk stops where
+    each joint that moves is, before it moves.
     """
     chain = CompiledChain()
-    following = count() if numbers is None else iter(numbers)
+    if numbers is None:
+        numbers = {name: number for number, name in enumerate(leading(joints, followers))}
+    moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
+    numbers = numbered(chain, moving, followers, numbers)
     for joint in joints:
         for along, length in enumerate(joint.origin.xyz):
             chain.move(along, length)
@@ -167,7 +204,7 @@ def compile_joints(
             continue
         if with_axes:
             chain.stop()
-        number = next(following)
+        number = numbers[joint.name]
         if joint.type is JointType.PRISMATIC:
             for along, factor in enumerate(joint.axis):
                 chain.move(along, 0.0, joint=number, factor=factor)
@@ -183,20 +220,27 @@ class KinematicChain(NamedTuple):
     Attributes:
         joints: from the root outwards.
         compiled: their moves and turns.
+        followers: the joints of the robot that follow others, by name, and how.
     """
 
     joints: tuple[Joint, ...]
     compiled: CompiledChain
+    followers: Mapping[str, Follower] = NO_FOLLOWERS
 
     @property
     def moving(self) -> tuple[Joint, ...]:
-        """Those that have a joint value, in order."""
+        """Those that move, in order: by themselves, or because they follow another one."""
         return tuple(joint for joint in self.joints if joint.type is not JointType.FIXED)
 
+    @property
+    def actuated(self) -> tuple[str, ...]:
+        """Names of the joints that have a value in a joint vector: those of the chain in order, then other leaders."""
+        return leading(self.joints, self.followers)
+
     @classmethod
-    def of(cls, joints: Sequence[Joint]) -> KinematicChain:
-        """The chain of some joints, from the root outwards."""
-        return cls(tuple(joints), compile_joints(joints))
+    def of(cls, joints: Sequence[Joint], followers: Mapping[str, Follower] = NO_FOLLOWERS) -> KinematicChain:
+        """The chain of some joints, from the root outwards, and how they follow others."""
+        return cls(tuple(joints), compile_joints(joints, followers=followers), followers)
 
     @classmethod
     def between(cls, robot: Robot, root: str = ROOT, tip: str = TOOL) -> KinematicChain:
@@ -205,15 +249,15 @@ class KinematicChain(NamedTuple):
         Raises:
             ValueError: there is no way from the root to the tip.
         """
-        return cls.of(joints_between(robot, root, tip))
+        return cls.of(joints_between(robot, root, tip), robot.followers)
 
     def forward_kinematics(self, q: JointVector) -> RigidTransform:
-        """T(root → tip) at one value per moving joint of the chain, from the root outwards [rad or m].
+        """T(root → tip) at one value per actuated joint of the chain, from the root outwards [rad or m].
 
         Raises:
-            ValueError: q has another number of entries than the chain has moving joints.
+            ValueError: q has another number of entries than the chain has such joints.
         """
-        return self.compiled.walk(_values(q, len(self.moving), "the chain"))[0].transform
+        return self.compiled.walk(_values(q, len(self.actuated), "the chain"))[0].transform
 
 
 def joints_between(robot: Robot, root: str, tip: str) -> tuple[Joint, ...]:
@@ -266,12 +310,12 @@ def dh_frames(manipulator: Manipulator, q: JointVector) -> tuple[RigidTransform,
 
     Args:
         manipulator: the table.
-        q: one value per moving joint [rad or m].
+        q: one value per joint that moves by itself [rad or m].
 
     Raises:
-        ValueError: q has another number of entries than the table has moving joints.
+        ValueError: q has another number of entries than the table has such joints.
     """
-    values = _values(q, len(manipulator.moving_rows), manipulator.name)
+    values = _values(q, len(manipulator.actuated_rows), manipulator.name)
     chain = CompiledChain()
     compile_table(chain, manipulator, with_frames=True)
     return tuple(frame.transform for frame in chain.walk(values))
@@ -298,13 +342,13 @@ def screws_in_frames(manipulator: Manipulator, frames: Sequence[RigidTransform])
 
 def screws_of_table(manipulator: Manipulator, q: JointVector | None = None) -> list[Screw]:
     """The axes of a table's moving rows at a joint vector [rad or m], at zero without it; takes columns."""
-    return screws_in_frames(manipulator, dh_frames(manipulator, q or (0.0,) * len(manipulator.moving_rows)))
+    return screws_in_frames(manipulator, dh_frames(manipulator, q or (0.0,) * len(manipulator.actuated_rows)))
 
 
 def screws_of_chain(chain: KinematicChain, q: JointVector | None = None) -> tuple[list[Screw], RigidTransform]:
     """The axes of a chain's moving joints at a joint vector [rad or m], at zero without it, and T(root → tip)."""
-    compiled = compile_joints(chain.joints, with_axes=True)
-    *frames, tip = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(chain.moving)))]
+    compiled = compile_joints(chain.joints, followers=chain.followers, with_axes=True)
+    *frames, tip = [frame.transform for frame in compiled.walk(values_of(q or [0.0] * len(chain.actuated)))]
     return screws_in_links(chain, frames), tip
 
 

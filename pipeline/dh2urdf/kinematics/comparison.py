@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from dh2urdf.kinematics.screws import Alignment
-    from dh2urdf.manipulator import DHRow
+    from dh2urdf.manipulator import DHRow, Follower
     from dh2urdf.robot import Joint, Robot
 
 say = Messages(__file__)
@@ -102,13 +102,23 @@ def compare(
         raise ConfigError(say("ends-without-chain", reason=error)) from None
     names = tuple(joint.name for joint in chain.moving)
     result = Agreement(base_link=base, tip_link=tip, joints=names, difference=None)
-    if apart := _other_joints(chain.moving, manipulator.moving_rows):
+    if apart := _other_joints(chain, manipulator.moving_rows):
         return replace(result, first_difference=apart)
+    # Where joints stand is seen if each moves by itself; with signs and offsets of its own, a table has other laws.
+    laws = [chain.followers.get(name) for name in names]
+    chain, given = KinematicChain.of(chain.joints), manipulator
+    manipulator = replace(given, rows=tuple(replace(row, follows=None) for row in given.rows))
     difference = _difference(chain, manipulator)
-    result = replace(result, difference=difference)
     if difference.is_none:
-        return result
+        apart = _other_laws(names, laws, given.moving_rows)
+        return replace(result, first_difference=apart) if apart else replace(result, difference=difference)
+    result = replace(result, difference=difference)
     found = _with_correction(result, chain, manipulator)
+    if found.corrected and any(laws):
+        own = {name: row.joint for name, row in zip(names, given.moving_rows, strict=True)}
+        whole = {own[name]: law._replace(leader=own[law.leader]) for name, law in zip(names, laws, strict=True) if law}
+        rows = tuple(replace(row, follows=whole.get(row.joint)) for row in found.corrected.rows)
+        found = replace(found, corrected=replace(found.corrected, rows=rows))
     if found.first_difference is None or not (meant := _read_otherwise(chain, manipulator)):
         return found
     return replace(found, first_difference=f"{found.first_difference}; {meant}")
@@ -154,14 +164,29 @@ def _tip(robot: Robot, base: str, moving: int) -> str:
     return usual[0] if len(usual) == 1 else fitting[-1]
 
 
-def _other_joints(joints: Sequence[Joint], rows: Sequence[DHRow]) -> str | None:
+def _other_joints(chain: KinematicChain, rows: Sequence[DHRow]) -> str | None:
     """Why the two cannot be compared joint by joint."""
+    joints, names = chain.moving, [joint.name for joint in chain.moving]
     if len(joints) != len(rows):
         return f"the description has {len(joints)} moving joints on this chain, the table {len(rows)}"
     for number, (joint, row) in enumerate(zip(joints, rows, strict=True), start=1):
         if (joint.type is JointType.PRISMATIC) != (row.type is JointType.PRISMATIC):
             types = f"{joint.type} in the description and {row.type} in the table"
             return f"joint {number}, {shown(joint.name)}, is {types}"
+        law = chain.followers.get(joint.name)
+        leaders = law and law.leader, row.follows and names[[each.joint for each in rows].index(row.follows.leader)]
+        if leaders[0] != leaders[1] or (law and (law.higher or law.is_held)):
+            said = [f"follows {shown(name)}" if name else "follows none" for name in leaders]
+            return f"joint {number}, {shown(joint.name)}, {said[0]} in the description and {said[1]} in the table"
+    return None
+
+
+def _other_laws(names: Sequence[str], laws: Sequence[Follower | None], rows: Sequence[DHRow]) -> str | None:
+    """Which joint follows another one by other numbers than its row."""
+    for name, law, row in zip(names, laws, rows, strict=True):
+        if law and row.follows and math.dist(law[1:3], row.follows[1:3]) > TOLERANCE:
+            said = [f"{each.multiplier:.9g} x {shown(law.leader)} + {each.offset:.9g}" for each in (law, row.follows)]
+            return f"joint {shown(name)} follows {said[0]} in the description and {said[1]} in the table"
     return None
 
 
@@ -241,7 +266,7 @@ def _corrected(manipulator: Manipulator, alignment: Alignment, zero: RigidTransf
             turned = _number(math.remainder(turned, math.tau) if turns else turned, is_angle=turns)
             rows[index] = replace(row, sign=row.sign * sign, offset=turned)
     bare = replace(manipulator, base=base, rows=tuple(rows), tool=IDENTITY)
-    reached = forward_kinematics(bare, (0.0,) * len(bare.moving_rows))
+    reached = forward_kinematics(bare, (0.0,) * len(bare.actuated_rows))
     return replace(bare, tool=_rounded(reached.inverse @ zero))
 
 
@@ -269,6 +294,8 @@ def changes(manipulator: Manipulator, corrected: Manipulator) -> tuple[str, ...]
     for old_row, row in zip(manipulator.rows, corrected.rows, strict=True):
         cells = [f"sign: {row.sign}"] if row.sign != old_row.sign else []
         is_angle = row.type is not JointType.PRISMATIC
+        if row.follows and old_row.follows and math.dist(row.follows[1:3], old_row.follows[1:3]) > TOLERANCE / 10:
+            cells.append(f"follows: {row.follows.text(number_text(row.follows.offset, is_angle=is_angle))}")
         if abs(row.offset - old_row.offset) > TOLERANCE / 10:
             cells.append(f"offset: {number_text(row.offset, is_angle=is_angle)}")
         if cells:

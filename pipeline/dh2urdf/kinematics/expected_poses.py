@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -20,6 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from dh2urdf.kinematics.chain import compile_table, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import ROOT, TOOL, JointType, Manipulator
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import IDENTITY, RigidTransform, greater_of, norm, smaller_of, total
 from dh2urdf.source import Mark
 
@@ -41,8 +43,25 @@ class Stretch(NamedTuple):
     """The way along one arm."""
 
     manipulator: Manipulator  # its table as far as the way goes; what follows the last of these rows is its tool
-    joints: tuple[str, ...]  # names of its moving joints in the robot, in order
+    prefix: str = ""  # what stands before the names of its joints in the robot
     placement: RigidTransform = IDENTITY  # the arm's root link in what holds it
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of its moving joints in the robot, in order."""
+        return tuple(self.prefix + row.joint for row in self.manipulator.moving_rows)
+
+    @property
+    def leading(self) -> tuple[str, ...]:
+        """Names of the joints in the robot that decide where these are: one of them may be behind the last row."""
+        laws, names = self.manipulator.followers, [row.joint for row in self.manipulator.actuated_rows]
+        return tuple(self.prefix + name for name in dict.fromkeys([*names, *(law.leader for law in laws.values())]))
+
+    def travel(self, values: Mapping[str, Numbers]) -> Numbers:
+        """How far its joints slide altogether [m], at values of the joints that lead [rad or m]; takes columns."""
+        own = {name.removeprefix(self.prefix): values[name] for name in self.leading}
+        every, rows = with_followers(own, self.manipulator.followers), self.manipulator.moving_rows
+        return total(abs(every[row.joint]) for row in rows if row.type is JointType.PRISMATIC)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +70,7 @@ class Tip:
 
     link: str
     way: tuple[Stretch, ...]  # the arms on the way to it, from the root outwards
-    columns: tuple[int, ...]  # which entries of the robot's joint vector move it, in the order of the way
+    columns: Mapping[str, int]  # by joint the entries of the robot's joint vector that move it, as the way has them
     root: str | None = None  # the link where the way begins, where that is not the root of the robot
 
     @property
@@ -59,18 +78,13 @@ class Tip:
         """The moving joints on the way, from the root outwards."""
         return tuple(name for stretch in self.way for name in stretch.joints)
 
-    def values(self, q: Sequence[float]) -> tuple[float, ...]:
-        """The entries of the robot's joint vector that move it [rad or m]."""
-        return tuple(q[column] for column in self.columns)
-
     def compiled(self) -> CompiledChain:
         """The way to it, as moves and turns, at joint vectors of the robot: the product of the DH products."""
         chain = CompiledChain()
-        first = 0
-        for table, joints, placement in self.way:
-            chain.transform(placement)
-            compile_table(chain, table, self.columns[first : first + len(joints)])
-            first += len(joints)
+        for stretch in self.way:
+            chain.transform(stretch.placement)
+            numbers = {name.removeprefix(stretch.prefix): self.columns[name] for name in stretch.leading}
+            compile_table(chain, stretch.manipulator, numbers)
         chain.stop()
         return chain
 
@@ -80,10 +94,11 @@ class Tip:
 
     def reach(self, poses: Sequence[Sequence[float]]) -> float:
         """An upper bound of its distance from the root at some joint vectors [m]."""
-        rows = [row for stretch in self.way for row in stretch.manipulator.moving_rows]
-        sliding = [column for column, row in zip(self.columns, rows, strict=True) if row.type is JointType.PRISMATIC]
-        travel = max((total(abs(q[column]) for column in sliding) for q in poses), default=0.0) if sliding else 0.0
-        return total(norm(placement.translation) + reach(table) for table, _, placement in self.way) + travel
+        length = total(norm(placement.translation) + reach(table) for table, _, placement in self.way)
+        if not any(row.type is JointType.PRISMATIC for stretch in self.way for row in stretch.manipulator.rows):
+            return length
+        values = ({name: q[column] for name, column in self.columns.items()} for q in poses)
+        return length + max((total(stretch.travel(own) for stretch in self.way) for own in values), default=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,14 +108,15 @@ class ExpectedPoses:
     name: str
     root: str = ROOT  # name of its root link
     tips: tuple[Tip, ...]  # the frames whose poses follow from the tables
-    joints: tuple[str, ...]  # its moving joints; a joint vector has an entry for each
+    joints: tuple[str, ...]  # its actuated joints; a joint vector has an entry for each
     mark: Mark | None = None  # where the robot is in its file
 
     @classmethod
     def of(cls, manipulator: Manipulator) -> ExpectedPoses:
         """The poses of a robot that is one arm."""
-        joints = tuple(row.joint for row in manipulator.moving_rows)
-        tip = Tip(link=TOOL, way=(Stretch(manipulator, joints),), columns=tuple(range(len(joints))))
+        joints = tuple(row.joint for row in manipulator.actuated_rows)
+        columns = {name: number for number, name in enumerate(joints)}
+        tip = Tip(link=TOOL, way=(Stretch(manipulator),), columns=columns)
         return cls(name=manipulator.name, tips=(tip,), joints=joints, mark=manipulator.mark)
 
 
@@ -133,11 +149,11 @@ def proof_vectors(expected: ExpectedPoses, robot: Robot, count: int) -> Poses:
 
 
 def joint_columns(table: Manipulator, moving: Sequence[Joint], count: int) -> list[Array]:
-    """For each moving joint its values [rad or m], of shape (P, N), or (P, 1) where all arms have the same limits."""
+    """For each actuated joint its values [rad or m], of shape (P, N), or (P, 1) where all arms have the same limits."""
     import numpy as np
 
     joints = {joint.name: joint for joint in moving}
-    names = [row.joint for row in table.moving_rows]
+    names = [row.joint for row in table.actuated_rows]
     inside = np.array(fractions(len(names), max(0, count - 1))).reshape(max(0, count - 1), len(names), 1)
     values = []
     for index, name in enumerate(names):

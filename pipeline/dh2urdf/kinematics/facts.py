@@ -86,12 +86,12 @@ def _facts(
     names = tuple([row.joint for row in moving])
     turning = [row.type in (JointType.REVOLUTE, JointType.CONTINUOUS) for row in moving]
     has_wrist: Condition = False
-    if len(lines) > 2 and all(turning[-3:]):  # noqa: PLR2004
+    if len(lines) > 2 and all(turning[-3:]) and not any(row.follows for row in moving[-3:]):  # noqa: PLR2004
         has_wrist, _ = _meeting(*lines[-3:])
     places = [place for place, has in enumerate(_entries(has_wrist, count)) if has]
     wrists = dict.fromkeys(places, names[-3:])
     opw: dict[int, OpwParameters | None] = {}
-    if len(lines) == _OPW_JOINTS and all(turning):
+    if len(lines) == _OPW_JOINTS and all(turning) and not table.followers:
         opw.update(zip(places, map(_opw, tables_of(places)), strict=True))
     neighbours = [_entries(_are_parallel(*pair), count) for pair in pairwise(lines)]
     parallel = [_runs(names, each) for each in zip(*neighbours, strict=True)] or [()] * count

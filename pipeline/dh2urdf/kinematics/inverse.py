@@ -11,6 +11,7 @@ are in m, and are not weighed against angles.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -27,9 +28,9 @@ from dh2urdf.kinematics.chain import (
     screws_in_links,
 )
 from dh2urdf.kinematics.joint_vectors import joint_values
-from dh2urdf.kinematics.pose_arrays import Way, jacobian_of, joints_of, table_jacobian
+from dh2urdf.kinematics.pose_arrays import Way, jacobian_of, joints_of, rates_of, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import TOOL, JointType, Manipulator
+from dh2urdf.manipulator import TOOL, JointType, Manipulator, whole_laws
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Messages
 
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dh2urdf.kinematics.joint_vectors import JointNames
-    from dh2urdf.manipulator import DHRow, JointVectors
+    from dh2urdf.manipulator import DHRow, Follower, JointVectors, Limits
     from dh2urdf.robot import Joint, Robot
 
     Vector = NDArray[np.float64]
@@ -63,7 +64,7 @@ class InverseSolution(NamedTuple):
     """The joint vector that brings a link nearest to a pose.
 
     Attributes:
-        q: one value per moving joint on the way to the link, inside its limits [rad or m].
+        q: one value per joint that moves the link, inside its limits and those of its followers [rad or m].
         position_error: how far the link is from the pose [m].
         angle_error: the angle between them [rad].
         reached: whether both are rounding only.
@@ -133,6 +134,7 @@ class _MovedLink(NamedTuple):
 
     names: JointNames
     moving: Sequence[DHRow | Joint]  # the joints that move by themselves, with their types and limits
+    followers: Sequence[tuple[Follower, Limits]]  # how others follow them, and the limits of these
     reach: float  # distance from the root to the link at most, prismatic joints at 0 [m]
     # frames by which the axes are known, and that of the link at last, in the root link, from one value for each joint
     frames: Callable[[Sequence[float]], list[RigidTransform]]
@@ -148,25 +150,36 @@ def _moved_link(model: Manipulator | Robot, link: str) -> _MovedLink:
         compile_table(compiled, table, with_frames=True)
         compiled.stop()
 
-        def of_table(frames: Sequence[RigidTransform], _: Sequence[float]) -> Vector:
-            return jacobian_of(screws_in_frames(table, frames[:-1]), frames[-1].translation, (), _FUNCTION)
+        rates, laws = rates_of(table), table.followers
 
-        walk = partial(_walked, compiled)
-        return _MovedLink(joints_of(table, _FUNCTION), table.moving_rows, reach(table), walk, of_table)
+        def of_table(frames: Sequence[RigidTransform], _: Sequence[float]) -> Vector:
+            columns = jacobian_of(screws_in_frames(table, frames[:-1]), frames[-1].translation, (), _FUNCTION)
+            return columns @ rates if laws else columns
+
+        return _MovedLink(
+            names=joints_of(table, _FUNCTION),
+            moving=table.actuated_rows,
+            followers=[(laws[row.joint], row.limits) for row in table.rows if row.follows],
+            reach=reach(table),
+            frames=partial(_walked, compiled),
+            jacobian=of_table,
+        )
     way = Way.to(model, link, _FUNCTION)
     by_name = {joint.name: joint for joint in model.joints}
-    joints = compile_joints(way.chain.joints, with_axes=True)
+    joints = compile_joints(way.chain.joints, followers=way.chain.followers, with_axes=True)
+    own = whole_laws(way.chain.followers)
 
     def of_robot(frames: Sequence[RigidTransform], values: Sequence[float]) -> Vector:
         screws = screws_in_links(way.chain, frames[:-1])
         columns = jacobian_of(screws, frames[-1].translation, (), _FUNCTION)
-        return way.led(columns, values) if way.followers else columns
+        return way.led(columns, values) if way.chain.followers else columns
 
     return _MovedLink(
         names=way.names,
         moving=[by_name[name] for name in way.names.moving],
+        followers=[(own[each.name], each.limits) for each in way.chain.moving if each.name in own],
         reach=sum(norm(joint.origin.xyz) for joint in way.chain.joints),
-        frames=lambda values: _walked(joints, way.moved(values)),
+        frames=partial(_walked, joints),
         jacobian=of_robot,
     )
 
@@ -184,8 +197,8 @@ class _PoseSearch:
         self._link, self._target = link, target
         rows = link.moving
         self.names = link.names
-        self.lower = np.array([-np.inf if row.limits.lower is None else row.limits.lower for row in rows])
-        self.upper = np.array([np.inf if row.limits.upper is None else row.limits.upper for row in rows])
+        ranges = [_range(name, row.limits, link.followers) for name, row in zip(link.names.moving, rows, strict=True)]
+        self.lower, self.upper = np.array([low for low, _ in ranges]), np.array([high for _, high in ranges])
         with np.errstate(invalid="ignore"):
             span = self.upper - self.lower
             middle = 0.5 * self.lower + 0.5 * self.upper
@@ -264,6 +277,20 @@ class _PoseSearch:
         return frames, np.concatenate([shift, _turn(multiply(self._target.rotation, transpose(found.rotation)))])
 
 
+def _range(name: str, limits: Limits, followers: Sequence[tuple[Follower, Limits]]) -> tuple[float, float]:
+    """The values of a joint at which its followers are inside their limits, too [rad or m]; else those of its own."""
+    own = low, high = _ends(limits)
+    for law, led in followers:
+        if law.leader == name and law.multiplier and not law.higher:
+            ends = sorted((end - law.offset) / law.multiplier for end in _ends(led))
+            low, high = max(low, ends[0]), min(high, ends[1])
+    return (low, high) if low <= high else own
+
+
+def _ends(limits: Limits) -> tuple[float, float]:
+    return -math.inf if limits.lower is None else limits.lower, math.inf if limits.upper is None else limits.upper
+
+
 def _turn(rotation: Any) -> Vector:  # noqa: ANN401 - nine numbers
     """The axis of a rotation times its angle [rad]; at a half turn one of the two axes."""
     import numpy as np
@@ -296,14 +323,14 @@ class Dexterity(NamedTuple):
 
 
 def dexterity(manipulator: Manipulator, q: JointVectors) -> Dexterity:
-    """What an arm can do from a joint vector: one value per moving joint, also by the names of these joints [rad or m].
+    """What an arm can do from a joint vector, as `Manipulator.fk` accepts it [rad or m].
 
     Raises:
         RecordError: q is no joint vector of the arm.
     """
     import numpy as np
 
-    rows = manipulator.moving_rows
+    rows = manipulator.actuated_rows
     joints = tuple(row.joint for row in rows)
     values, _ = joint_values(q, joints_of(manipulator, "dexterity()"))
     singular = np.linalg.svd(np.asarray(table_jacobian(manipulator, values, full=False)), compute_uv=False)

@@ -17,14 +17,13 @@ from dh2urdf.kinematics.chain import (
     Screw,
     as_matrices,
     dh_frames,
-    joints_between,
     link_poses,
     screws_in_frames,
     screws_of_chain,
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
 from dh2urdf.manipulator import ROOT, TOOL
-from dh2urdf.robot import leader_of, with_followers
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import IDENTITY, cross, subtract
 from dh2urdf.source import Mark, Messages, shown
 
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Follower, Robot
+    from dh2urdf.robot import Robot
     from dh2urdf.rotations import RigidTransform, Vec3
 
     Matrices = NDArray[np.float64]
@@ -59,8 +58,9 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
     """
     if not isinstance(model, KinematicChain):
         return table_pose(model, q)
-    moving = tuple(joint.name for joint in model.moving)
-    return _chain_pose(model, JointNames(moving, moving, whose="the chain", function="pose_matrices()"), q)
+    return _chain_pose(
+        model, JointNames(model.actuated, model.actuated, whose="the chain", function="pose_matrices()"), q
+    )
 
 
 # --- Tables
@@ -90,7 +90,20 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
     values, shape = joint_values(q, joints_of(manipulator, function, full=full))
     frames = dh_frames(manipulator, values)
     screws = screws_in_frames(manipulator, frames)
-    return jacobian_of(screws, (frames[-1] @ manipulator.tool).translation, shape, function)
+    columns = jacobian_of(screws, (frames[-1] @ manipulator.tool).translation, shape, function)
+    return columns @ rates_of(manipulator) if manipulator.followers else columns
+
+
+def rates_of(manipulator: Manipulator) -> Matrices:
+    """How fast each moving joint of a table moves for each actuated one, of shape (moving, actuated)."""
+    import numpy as np
+
+    laws, actuated = manipulator.followers, [row.joint for row in manipulator.actuated_rows]
+    rates = np.zeros((len(manipulator.moving_rows), len(actuated)))
+    for number, row in enumerate(manipulator.moving_rows):
+        law = laws.get(row.joint)
+        rates[number, actuated.index(law.leader if law else row.joint)] = law.multiplier if law else 1.0
+    return rates
 
 
 def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) -> JointNames:
@@ -98,7 +111,7 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
     if not isinstance(full, bool):
         about = {"value": repr(full), "kind": "flag", "accepted": "True or False"}
         raise RecordTypeError(say("argument-wrong", Mark(file=function), field="full", **about))
-    moving = tuple(row.joint for row in manipulator.moving_rows)
+    moving = tuple(row.joint for row in manipulator.actuated_rows)
     wanted = tuple(row.joint for row in manipulator.rows) if full else moving
     return JointNames(wanted, moving, whose=f"manipulator {shown(manipulator.name)}", function=function)
 
@@ -110,7 +123,7 @@ def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - wh
     """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
     way = Way.to(robot, tip, "Robot.fk()")
     values, shape = joint_values(q, way.names)
-    return _matrices(way.chain.forward_kinematics(way.moved(values)), shape, way.names.function)
+    return _matrices(way.chain.forward_kinematics(values), shape, way.names.function)
 
 
 def _chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
@@ -132,9 +145,9 @@ def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 
     """The geometric Jacobian of a link in the root link, of shape (..., 6, n); see `Robot.jacobian`."""
     way = Way.to(robot, tip, "Robot.jacobian()")
     values, shape = joint_values(q, way.names)
-    screws, end = screws_of_chain(way.chain, way.moved(values))
+    screws, end = screws_of_chain(way.chain, values)
     columns = jacobian_of(screws, end.translation, shape, way.names.function)
-    return way.led(columns, values) if way.followers else columns
+    return way.led(columns, values) if way.chain.followers else columns
 
 
 class Way(NamedTuple):
@@ -142,40 +155,30 @@ class Way(NamedTuple):
 
     chain: KinematicChain
     names: JointNames  # of the actuated joints; a mapping may name the others of the robot, too
-    followers: dict[str, Follower]
 
     @classmethod
     def to(cls, robot: Robot, tip: str, function: str) -> Way:
         """The way to a link, for a public function that messages name."""
-        chain, followers = KinematicChain.of(joints_between(robot, robot.root, tip)), robot.followers
-        moving = tuple(dict.fromkeys(filter(None, (leader_of(joint.name, followers) for joint in chain.moving))))
+        chain = KinematicChain.between(robot, robot.root, tip)
+        moving = chain.actuated
         known = tuple(joint.name for joint in robot.actuated_joints if joint.name not in moving)
         whose = f"the way of robot {shown(robot.name)} to {shown(tip)}"
-        return cls(chain, JointNames(moving, moving, known, whose=whose, function=function), followers)
-
-    def moved(self, values: Sequence[Any]) -> list[Any]:
-        """The values of the joints on the way [rad or m], from those of the actuated ones."""
-        if not self.followers:
-            return [*values]
-        every = self._every(values)
-        return [every[joint.name] for joint in self.chain.moving]
+        return cls(chain, JointNames(moving, moving, known, whose=whose, function=function))
 
     def led(self, columns: Matrices, values: Sequence[Any]) -> Matrices:
         """The Jacobian for the actuated joints, from that for all: what follows a joint moves at its rate."""
         import numpy as np
 
-        every, led = self._every(values), np.zeros((*columns.shape[:-1], len(values)))
+        followers, others = self.chain.followers, dict.fromkeys(self.names.known, 0.0)
+        every = with_followers({**others, **dict(zip(self.names.moving, values, strict=True))}, followers)
+        led = np.zeros((*columns.shape[:-1], len(values)))
         for number, joint in enumerate(self.chain.moving):
             name, rate = joint.name, np.ones(columns.shape[:-2])
-            while follower := self.followers.get(name):
+            while follower := followers.get(name):
                 name, rate = follower.leader, rate * follower.rate(every.get(follower.leader, 0.0))
             if name:
                 led[..., self.names.moving.index(name)] += rate[..., None] * columns[..., number]
         return led
-
-    def _every(self, values: Sequence[Any]) -> dict[str, Any]:
-        others = dict.fromkeys(self.names.known, 0.0)
-        return with_followers({**others, **dict(zip(self.names.moving, values, strict=True))}, self.followers)
 
 
 # --- Arrays

@@ -21,10 +21,11 @@ from dh2urdf.columns import replaced
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
 from dh2urdf.kinematics.attached import prove_attachments
-from dh2urdf.kinematics.chain import compile_joints, joints_between, reach
+from dh2urdf.kinematics.chain import compile_joints, joints_between, leading, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, values_of
 from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.rotations import is_column
 from dh2urdf.source import Messages, listed
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[floa
         ProofError: a written chain from the root to a tool0 does not have the tables' moving joints in order.
     """
     ways = {
-        tip.link: (tip.compiled(), compile_joints(joints_to(expected, tip, written), tip.columns))
+        tip.link: (tip.compiled(), compile_joints(joints_to(expected, tip, written), tip.columns, written.followers))
         for tip in expected.tips
     }
     largest = _largest_at_once if at_once and poses else largest_errors
@@ -94,6 +95,8 @@ def prove(expected: ExpectedPoses, written: Robot, poses: Sequence[Sequence[floa
 def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint, ...]:
     """The joints on the written way to a tip, of which those that move have to be those of the tables' way.
 
+    Those that follow none have to be the same, too; how the others follow is seen in their poses.
+
     Raises:
         ProofError: there is no way, or it moves other joints.
     """
@@ -105,6 +108,8 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
     if moving != list(tip.joints):
         written_joints, wanted = listed(moving, 8) or "none", listed(tip.joints, 8) or "none"
         raise ProofError(say("other-joints-move", robot=expected.name, moving=written_joints, wanted=wanted))
+    if apart := sorted({*leading(joints, written.followers)} ^ tip.columns.keys()):
+        raise ProofError(say("other-joints-lead", robot=expected.name, joints=listed(apart, 8)))
     return joints
 
 
@@ -210,7 +215,8 @@ def prove_columns(
             found.update(dict.fromkeys(places, error))
             continue
         try:
-            joints = joints_to(expected, expected.tips[0], described)
+            tip, followers = expected.tips[0], described.followers
+            joints = joints_to(expected, tip, described)
         except ProofError:  # Of each of the group, with its own name.
             for place in places:
                 own = ExpectedPoses.of(tables.pick(place))
@@ -219,17 +225,16 @@ def prove_columns(
                 except ProofError as error:
                     found[place] = error
             continue
-        proofs = _proofs(tables.table, robots.robot, joints, places=places, count=count)
+        way = compile_joints(joints, tip.columns, followers)
+        proofs = _proofs(tables.table, robots.robot, way, places=places, count=count)
         found.update(zip(places, proofs, strict=True))
     return [found.get(place) for place in range(len(tables))]
 
 
-def _proofs(
-    table: Manipulator, robot: Robot, joints: Sequence[Joint], *, places: Sequence[int], count: int
-) -> list[Proof]:
+def _proofs(table: Manipulator, robot: Robot, way: CompiledChain, *, places: Sequence[int], count: int) -> list[Proof]:
     """The proofs of arms whose files move the joints of their tables.
 
-    Table and robot are in columns, in which the arms have these places; the joints are in columns of their own.
+    Table and robot are in columns, in which the arms have these places; the way of the files is in columns of its own.
     """
     import numpy as np
 
@@ -241,7 +246,8 @@ def _proofs(
     table = replace_unchecked(table, rows=replaced(table.rows, of_places))
     q = joint_columns(table, replaced(robot.joints, of_places), count)
     with np.errstate(all="ignore"):
-        chains = ExpectedPoses.of(table).tips[0].compiled(), compile_joints(joints)
+        tip = ExpectedPoses.of(table).tips[0]
+        chains = tip.compiled(), way
         values = values_of(q)
     poses, arms = 3 + count, len(places)
     at_once = max(1, TOGETHER // arms)
@@ -253,8 +259,8 @@ def _proofs(
             differences.append(_squared_differences(*tips, shape=(min(at_once, poses - first), arms)))
     positions, angles, worst = _largest_of_arms(*map(np.concatenate, zip(*differences, strict=True)))
     vectors = [value[worst, range(arms) if value.shape[1] > 1 else 0].tolist() for value in q]
-    slides = [abs(v) for row, v in zip(table.moving_rows, q, strict=True) if row.type is JointType.PRISMATIC]
-    travel = sum(slides[1:], slides[0]).max(axis=0) if slides else 0.0
+    travel = tip.way[0].travel(dict(zip(tip.columns, q, strict=True)))
+    travel = travel.max(axis=0) if is_column(travel) else travel
     return many_unchecked(
         Proof(position_error=0.0, angle_error=0.0, q=(), tolerance=0.0, poses=poses),
         arms,

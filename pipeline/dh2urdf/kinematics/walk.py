@@ -30,6 +30,8 @@ from dh2urdf.rotations import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from dh2urdf.manipulator import Follower
+
 Numbers: TypeAlias = Any
 """A float, or an array."""
 Vector: TypeAlias = tuple[Numbers, Numbers, Numbers]
@@ -84,6 +86,12 @@ class CompiledChain:
     def __init__(self) -> None:
         self.steps: list[Step] = []
         self._names = _UNNAMED
+        self._followers: list[tuple[int | None, Follower]] = []  # their leaders, and how they follow these
+
+    def follow(self, leader: int | None, law: Follower) -> int:
+        """A joint whose value follows from that of another one, or from none: its number, which is below 0."""
+        self._followers.append((leader, law))
+        return -len(self._followers)
 
     def move(self, along: int, length: Numbers, *, joint: int | None = None, factor: Numbers = 1.0) -> None:
         """A move along an axis by a length, and by the value of a joint times a factor [m]."""
@@ -145,7 +153,11 @@ class CompiledChain:
         self.steps.append((_STOP, 0, None, self._names))
 
     def walk(self, values: Sequence[JointValue]) -> list[Frame]:
-        """The frames at the stops, at values of all joints [rad or m]."""
+        """The frames at the stops, at values of the joints that follow none [rad or m]."""
+        if self._followers:
+            values = every = [*values, *[(0.0, 1.0, 0.0)] * len(self._followers)]
+            for number, (leader, law) in enumerate(self._followers, start=1):
+                (every[-number],) = values_of([law.value(0.0 if leader is None else every[leader][0])])
         axes: list[Vector] = [X_AXIS, Y_AXIS, Z_AXIS]
         origin: Vector = ZERO
         stops: list[Frame] = []

@@ -12,15 +12,16 @@ import math
 import re
 from collections.abc import Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
-from dh2urdf.kinematics.chain import as_matrices, forward_kinematics, joint_variables, row_transform
+from dh2urdf.kinematics.chain import as_matrices, joint_motion, joint_variables, row_transform
 from dh2urdf.kinematics.expected_poses import joint_ranges
 from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate
 
 if TYPE_CHECKING:
@@ -126,10 +127,10 @@ class Skeleton(NamedTuple):
 
 def arm_skeleton(tip: Tip) -> Skeleton:
     """The last arm on the way to a tip, as its table has it: along every d and a."""
-    pose = IDENTITY
-    for table, joints, placement in tip.way[:-1]:
-        pose = pose @ placement @ forward_kinematics(table, [0.0] * len(joints))
+    zero = [0.0] * (1 + max(tip.columns.values(), default=0))
+    pose = replace(tip, way=tip.way[:-1]).pose(zero)
     table, _, placement = tip.way[-1]
+    values = with_followers({row.joint: 0.0 for row in table.actuated_rows}, table.followers)
     pose = pose @ placement
     path, frames = [pose.translation], [pose]
     axes: list[JointAxis] = []
@@ -137,8 +138,9 @@ def arm_skeleton(tip: Tip) -> Skeleton:
     path.append(pose.translation)
     frames.append(pose)
     for row in table.rows:
-        _, d = joint_variables(row)
-        after = pose @ row_transform(table.convention, row)
+        value = values.get(row.joint, 0.0)
+        _, d = joint_variables(row, value)
+        after = pose @ row_transform(table.convention, row, value)
         is_standard = table.convention is Convention.STANDARD
         corner = add(pose.translation, rotate(pose.rotation, (0.0, 0.0, d) if is_standard else (row.a, 0.0, 0.0)))
         path += [corner, after.translation]
@@ -161,10 +163,12 @@ def robot_skeleton(robot: Robot) -> Skeleton:
     paths = list(ending.values())
     axes: list[JointAxis] = []
     frames = [IDENTITY]
+    values = with_followers({joint.name: 0.0 for joint in robot.actuated_joints}, robot.followers)
     for joint in robot.joints:
         if joint.parent not in poses:
             raise ValueError(f"the joint {joint.name!r} has no parent {joint.parent!r} before it")
-        pose = poses[joint.child] = poses[joint.parent] @ joint.origin.transform
+        before = poses[joint.parent] @ joint.origin.transform
+        pose = poses[joint.child] = before @ joint_motion(joint, values.get(joint.name, 0.0))
         path = ending.pop(joint.parent, None)
         if path is None:  # another child of it has gone on with its line
             path = [poses[joint.parent].translation]

@@ -97,7 +97,7 @@ def details(
     said = [*trace.rows, *([{}] * (len(manipulator.rows) - len(trace.rows)))]
     place = {key: _place(each.mark) for key, each in trace.table.items()}
     units = {key.partition(".")[2]: each for key, each in trace.table.items() if key.startswith("units.")}
-    at_zero = forward_kinematics(manipulator, [0.0] * len(manipulator.moving_rows))
+    at_zero = forward_kinematics(manipulator, [0.0] * len(manipulator.actuated_rows))
     frame = [[*at_zero.rotation[3 * i : 3 * i + 3], at_zero.translation[i]] for i in range(3)]
     stated: dict[str, Any] = {name: getattr(manipulator, name, None) for name in _STATED}
     for name, value in stated.items():
@@ -156,6 +156,8 @@ def _fields(
     values |= {"mass": row.mass, **dict(zip(COM, row.com or (), strict=False))}
     values |= {name: getattr(row.inertia, name, None) for name in INERTIA}
     values |= {name: getattr(row, name) for name in _OPTIONAL}
+    if row.follows:
+        values["follows"] = row.follows.text(_number(row.follows.offset, unit_of("offset", row.type)))
     for name, value in values.items():
         if value is not None:
             yield _field(row, name, value, told.get(name), unsaid)
@@ -278,18 +280,19 @@ def _as_printed(detail: Detail) -> _Lines:
     """The table as a paper prints it: a row for each joint, units in the header, what is filled in with a mark."""
     joints = [{field["field"]: field for field in joint["fields"]} for joint in detail["joints"]]
     typed = {name for joint in joints for name, field in joint.items() if field["from"] in (CELL, READ)}
-    others = [name for name in (*LIMITS, "mass", *_OPTIONAL) if name in typed]
+    others = [name for name in (*LIMITS, "mass", *_OPTIONAL, "follows") if name in typed]
     units = {name: {joint[name]["unit"] for joint in joints if name in joint} for name in ("theta", "d", *others)}
     head = ["joint", "type", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"]
-    head += [f"{name} [{', '.join(sorted(units[name]))}]" for name in others]
+    head += [f"{name} [{', '.join(sorted(units[name]))}]" if any(units[name]) else name for name in others]
     rows, moving = list[tuple[list[str], bool]](), 0
     for fields in joints:
         kind = JointType(str(fields["type"]["value"]))
-        moving += kind is not JointType.FIXED
+        moving += kind is not JointType.FIXED and "follows" not in fields
+        variable = f"q[{fields['joint']['value']}]" if "follows" in fields else f"q{moving}"
         home = None if kind is JointType.FIXED else "d" if kind is JointType.PRISMATIC else "theta"
         cells = [_printed(fields[name]) for name in ("joint", "type")]
         cells += [
-            _variable(fields, name, moving) if name == home else _printed(fields[name])
+            _variable(fields, name, variable) if name == home else _printed(fields[name])
             for name in ("theta", "d", "a", "alpha")
         ]
         cells += [_printed(fields[name]) if name in fields else "" for name in others]
@@ -310,11 +313,11 @@ def _number(value: float, unit: str) -> str:
     return text if 0 < len(text) <= _LONGEST else f"{value + 0.0:.9g}"
 
 
-def _variable(fields: Mapping[str, FieldEntry], home: str, number: int) -> str:
+def _variable(fields: Mapping[str, FieldEntry], home: str, symbol: str) -> str:
     """A joint variable as a paper prints it: ``q2 + pi/2``."""
     names = (home, "offset", "sign")
     at, offset, sign = (float(fields[name]["value"]) if name in fields else 0.0 for name in names)
-    variable = f"{'-' if sign < 0 else ''}q{number}"
+    variable = f"{'-' if sign < 0 else ''}{symbol}"
     if not (total := at + offset):
         return variable
     return f"{variable} {'-' if total < 0 else '+'} {_number(abs(total), fields[home]['unit'])}"

@@ -24,6 +24,7 @@ REQUIRED = ("a", "alpha", "d")
 FIELDS = (
     *(*NAMES, *GEOMETRY, "sign", *LIMITS, "mass", *COM, *INERTIA),
     *(name for name in NUMBERS if name not in {*GEOMETRY, "mass"}),
+    "follows",
 )
 """The fields of a row, in the order of their columns."""
 STATEMENTS = ("name", "convention", "units", "base", "tool", "payload", "defaults", "symbols")

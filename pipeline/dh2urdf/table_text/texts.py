@@ -152,6 +152,9 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, 
             texts[field] = number_in(value, unit) if unit else format_number(value)
             if field in LIMITS and dimension is Dimension.ANGLE and not angle.degrees and abs(value) > _DOUBTED:
                 texts[field] += f" {angle.symbol}"
+    if row.follows:
+        unit = length if row.type is JointType.PRISMATIC else angle
+        texts["follows"] = row.follows.text(number_in(row.follows.offset, unit))
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in LIMITS}
     return {field: texts[field] for field in FIELDS if field in texts}

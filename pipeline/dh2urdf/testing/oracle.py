@@ -25,11 +25,18 @@ Matrix: TypeAlias = NDArray[np.float64]
 
 
 def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
-    """T(base_link → tool0) of a table at one value per moving joint [rad or m]."""
-    values = iter(q)
+    """T(base_link → tool0) of a table at one value per joint that moves by itself [rad or m]."""
+    given, known = iter(q), dict[str, float]()
+    for row in manipulator.rows:
+        if row.type is not JointType.FIXED and row.follows is None:
+            known[row.joint] = next(given)
+    while len(known) < len(manipulator.moving_rows):  # a follower may follow one that comes later
+        for row in manipulator.rows:
+            if (law := row.follows) and law.leader in known:
+                known[row.joint] = law.multiplier * known[law.leader] + law.offset
     factors = [_frame(np.reshape(manipulator.base.rotation, (3, 3)), manipulator.base.translation)]
     for row in manipulator.rows:
-        value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * next(values)
+        value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * known[row.joint]
         turn, slide = (0.0, value) if row.type is JointType.PRISMATIC else (value, 0.0)
         along_z = _turn((0, 0, 1), row.theta + turn) @ _shift(0, 0, row.d + slide)
         along_x = _shift(row.a, 0, 0) @ _turn((1, 0, 0), row.alpha)

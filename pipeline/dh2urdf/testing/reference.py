@@ -48,6 +48,7 @@ def plain_robot(manipulator: Manipulator) -> Robot:
             origin=Origin.of(pending @ before),
             axis=(0.0, 0.0, float(row.sign)),
             limits=row.limits,
+            follows=row.follows,
         )
         joints.append(joint)
         links.append(_body(row.link))

@@ -89,7 +89,7 @@ class _Binder:
 
     def factors(self, rule: Rule) -> Iterator[Factor]:
         if rule.field == AXES:
-            have = len(self.nominal.moving_rows)
+            have = len(self.nominal.actuated_rows)
             for value in rule.law.values if isinstance(rule.law, Choices | Grid) else ():
                 if float(value) > have:
                     self.add_problem(rule, "axes-too-many", found=str(value), table=self.nominal.name, have=have)

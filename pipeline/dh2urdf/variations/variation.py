@@ -22,7 +22,7 @@ from dh2urdf.columns import (
     in_columns,
     row_places,
 )
-from dh2urdf.errors import ManipulatorError
+from dh2urdf.errors import ManipulatorError, RecordError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import scaled
 from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
@@ -160,12 +160,17 @@ class Variation:
         rows = list(first_axes(nominal.rows, int(drawn[AXES])) if AXES in drawn else nominal.rows)
         problems: list[Problem] = []
         changes = self.changes(drawn)
-        for index, factors in changes.items():
-            rows[index] = changed(rows[index], {field: drawn[factor.key] for field, factor in factors.items()})
-            problems += _row_problems(rows[index], factors)
+        try:
+            for index, factors in changes.items():
+                rows[index] = changed(rows[index], {field: drawn[factor.key] for field, factor in factors.items()})
+                problems += _row_problems(rows[index], factors)
+            notices = (*nominal.notices, *drawn_notices(changes, rows))
+            made = replace(nominal, name=name, rows=tuple(rows), notices=notices)
+        except RecordError as error:  # a follower that is fixed now, or whose leader is
+            problems += error.problems
         if problems:
             raise ManipulatorError([problem.about(robot=name) for problem in problems])
-        return replace(nominal, name=name, rows=tuple(rows), notices=(*nominal.notices, *drawn_notices(changes, rows)))
+        return made
 
     def changes(self, drawn: Collection[str]) -> dict[int, dict[str, Factor]]:
         """The factors of some keys by the indices of their rows, and by their fields."""
@@ -327,8 +332,8 @@ def variant_columns(
 
 
 def first_axes(rows: Sequence[DHRow], axes: int) -> Sequence[DHRow]:
-    """The rows before the next axis: fixed rows that follow the last one stay with it."""
-    moving = [index for index, row in enumerate(rows) if row.type is not JointType.FIXED]
+    """The rows before the next axis: fixed rows behind the last one stay with it, and so do followers."""
+    moving = [index for index, row in enumerate(rows) if row.type is not JointType.FIXED and not row.follows]
     return rows[: moving[axes]] if axes < len(moving) else rows
 
 

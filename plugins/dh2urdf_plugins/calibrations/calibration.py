@@ -70,11 +70,11 @@ class Calibration(NamedTuple):
         """What the calibration changes: the largest difference of each number, and how far the tip moves."""
         largest = {name: max(abs(each.get(name, 0.0)) for each, _ in self.differences) for name in FIELDS}
         changes = [f"{name} by up to {value:.3g} {FIELDS[name]}".rstrip() for name, value in largest.items() if value]
-        draw = random.Random(f"dh2urdf {len(given.moving_rows)}")  # noqa: S311 - reproducible on purpose
+        draw = random.Random(f"dh2urdf {len(given.actuated_rows)}")  # noqa: S311 - reproducible on purpose
         moved = reach = 0.0  # How far the tips are from each other, and the given one from its base, at most [m].
         for _ in range(_VECTORS):
             ranges = [
-                (0.0, 1.0) if row.type is JointType.PRISMATIC else (-math.pi, math.pi) for row in given.moving_rows
+                (0.0, 1.0) if row.type is JointType.PRISMATIC else (-math.pi, math.pi) for row in given.actuated_rows
             ]
             q = [draw.uniform(*ends) for ends in ranges]
             here, there = forward_kinematics(given, q), forward_kinematics(calibrated, q)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf.columns import BOUNDS, DYNAMICS, LIMITS
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import dh_frames
-from dh2urdf.manipulator import DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import DHRow, Follower, JointType, Limits, Manipulator
 from dh2urdf.robot_check import UNIT
 from dh2urdf.rotations import norm, scale
 from dh2urdf.source import Mark, Messages, Problem, free_name, listed, shown
@@ -18,7 +18,7 @@ from dh2urdf_plugins.extraction.solving import RANDOM_VECTORS, Choices, Solution
 from dh2urdf_plugins.readers.words.names import RESERVED
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from dh2urdf.robot import Joint
@@ -55,6 +55,7 @@ def manipulator_of(
         *_besides_the_chain(description, given, carried),
     ]
     rows, row_notices = _rows(solution, chain, carried, mark)
+    rows = _led(rows, chain, description.followers)
     base = carried.body(0, solution.table.base)
     notices += row_notices
     if base.mass:
@@ -116,6 +117,14 @@ def _rows(
         pairs = [f"{shown(old)} is {shown(new)}" for old, new in names.renamed.items()]
         notices.append(say("names-replaced", pairs=listed(pairs, _FEW)))
     return tuple(rows), notices
+
+
+def _led(rows: Sequence[DHRow], chain: Sequence[Joint], followers: Mapping[str, Follower]) -> tuple[DHRow, ...]:
+    """The rows, of which some follow others: joint values of a table mean what they do in the description."""
+    moving = [joint.name for joint in chain if joint.type is not JointType.FIXED]
+    own = dict(zip(moving, (row.joint for row in rows if row.type is not JointType.FIXED), strict=True))
+    laws = {own[name]: law._replace(leader=own[law.leader]) for name, law in followers.items() if name in own}
+    return tuple(replace(row, follows=laws.get(row.joint)) for row in rows)
 
 
 def _limits(joint: Joint, unknown: dict[str, list[str]], mark: Mark) -> Limits:

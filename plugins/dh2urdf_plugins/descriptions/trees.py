@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import usual_tips
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import JointType, whole_laws
+from dh2urdf.robot import following
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator
+    from collections.abc import Container, Iterator, Sequence
 
     from dh2urdf.robot import Joint
     from dh2urdf_plugins.descriptions.description import Description
@@ -111,18 +112,36 @@ class Tree:
                 raise self._error("chain-in-loop", "tip_link", holders=holders, link=link)
             joints.insert(0, joint)
             link = joint.parent
+        able = self._following(joints)
         for joint in joints:
-            self._check(joint)
+            self._check(joint, follows=joint.name in able)
         if all(joint.type is JointType.FIXED for joint in joints):
             raise self._error("chain-without-motion", "tip_link", base=self.base, tip=tip)
         return tuple(joints)
 
-    def _check(self, joint: Joint) -> None:
+    def _following(self, joints: Sequence[Joint]) -> set[str]:
+        """The joints that a table can have as followers: of others of the chain, by linear laws."""
+        slides = {
+            joint.name: joint.type is JointType.PRISMATIC for joint in joints if joint.type is not JointType.FIXED
+        }
+        able = following(self.description.followers, slides)
+        laws = whole_laws(able)
+        return {
+            name
+            for name, law in able.items()
+            if law.leader
+            and law.leader in slides
+            and not law.higher
+            and slides[name] is slides[law.leader]
+            and laws[name].leader in slides.keys() - able.keys()
+        }
+
+    def _check(self, joint: Joint, *, follows: bool) -> None:
         """Refuses a joint that is faulty, or that no table has."""
         if (faulty := self.description.faulty.get(joint.name)) is not None and faulty.fault is not None:
             raise TableError(faulty.fault)
         followers, loose, name = self.description.followers, self.description.loose, joint.name
-        if name in loose or name in followers:
+        if name in loose or (name in followers and not follows):
             leader = followers[name].leader if name in followers else ""
             what = f"is {loose[name]}" if name in loose else f"mimics {shown(leader) if leader else 'another joint'}"
             raise self._error("joint-not-own", joint=joint, what=what)

@@ -124,7 +124,7 @@ def in_convention(manipulator: Manipulator, convention: Convention) -> Manipulat
     chain, _ = split_links(place_sliding_axes(given, precision, length), precision, length, TOLERANCE, "auto")
     table = _rewritten(manipulator, chain, convention, precision, length)
     for value in (0.0, 0.7, -1.3):
-        q = [value * (1.0 + 0.1 * number) for number in range(len(manipulator.moving_rows))]
+        q = [value * (1.0 + 0.1 * number) for number in range(len(manipulator.actuated_rows))]
         one, other = forward_kinematics(manipulator, q), forward_kinematics(table, q)
         far = max(position_error(one, other), angle_error(one, other))
         if not far <= LARGEST:
@@ -150,7 +150,7 @@ def _rewritten(
             rows.append(replace(row, **found._asdict(), offset=0.0, sign=1))
     table = replace(manipulator, convention=convention, rows=tuple(rows), base=numbers.base, tool=numbers.tool)
     # What the links carry is where the given table has it, in the frames of this one.
-    before, after = (dh_frames(each, (0.0,) * len(each.moving_rows))[1:] for each in (manipulator, table))
+    before, after = (dh_frames(each, (0.0,) * len(each.actuated_rows))[1:] for each in (manipulator, table))
     old = dict(zip([row.joint for row in manipulator.rows], before, strict=True))
     rows = [
         with_moved_body(row, frame.inverse @ old[row.joint]) if row.joint in old else row

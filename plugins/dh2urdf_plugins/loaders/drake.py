@@ -165,10 +165,10 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     root, world = held.frame(request.robot.root), held.plant.world_body()
     if root.body().index() not in {body.index() for body in held.plant.GetBodiesWeldedTo(world)}:
         held.plant.WeldFrames(held.plant.world_frame(), root)
-    # A motor on every joint whose effort is above 0, with a stiff spring as its control. The spring cannot make the
-    # simulation unstable: Drake solves for it implicitly (the SAP solver), and keeps it within the effort.
+    # A motor on every joint that follows none and has an effort above 0, with a stiff spring as its control. The spring
+    # cannot make the simulation unstable: Drake solves for it implicitly (the SAP solver), within the effort.
     motors = held.actuators()
-    for joint in request.robot.moving_joints:
+    for joint in request.robot.actuated_joints:
         if effort := joint.limits.effort:
             motor = motors.get(joint.name)
             motor = motor or held.plant.AddJointActuator(f"hold {joint.name}", held.joints[joint.name], effort)

@@ -1,23 +1,19 @@
 """From the parts of an arm to the robot: masses, limits, the base and the frames at the tip.
 
 What both variants share. A variant says where the joints stand and what the links look like; here they get the names,
-the mass properties and the limits that every reader of robot descriptions needs.
-
-The limits of joints that a table does not give: range, travel, velocity, and the effort for a load.
+the mass properties and the efforts that every reader of robot descriptions needs.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.columns import DYNAMICS
 from dh2urdf.errors import TransformError
-from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, compound, placed, rotated, scaled, solid, two_digits
-from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, new_limits
+from dh2urdf.manipulator import BASE, FLANGE, ROOT, TOOL, DHRow, JointType, Limits, whole_laws
 from dh2urdf.robot import (
     WEIGHTLESS,
     Collision,
@@ -35,16 +31,15 @@ from dh2urdf.robot import (
     new_link,
     new_parameter,
 )
-from dh2urdf.rotations import RigidTransform, Vec3, add, cross, greater_of, mapped, norm, rotate, subtract
+from dh2urdf.rotations import RigidTransform, Vec3, add, cross, mapped, norm, rotate, subtract
 from dh2urdf.source import Messages
 from dh2urdf_plugins.transforms.checks import PAYLOAD, is_frame, is_weighed
-from dh2urdf_plugins.transforms.shapes import SMALLEST
+from dh2urdf_plugins.transforms.limits import travel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from dh2urdf.manipulator import Manipulator
-    from dh2urdf.rotations import Number
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 say = Messages(__file__)
@@ -52,51 +47,6 @@ say = Messages(__file__)
 
 LEAST_EFFORT = 10.0
 """Smallest default effort [N·m or N]."""
-
-
-def complete_limits(rows: Sequence[DHRow]) -> list[Limits]:
-    """The limits of an arm's rows with lower, upper and velocity filled in; effort waits for the masses.
-
-    ±2π rad, or to each side half the length of the arm's longest link, rounded down to two digits; π rad/s or 1 m/s.
-    A continuous joint has no lower and upper, a fixed one nothing.
-    """
-    slides = any(row.type is JointType.PRISMATIC and row.limits.lower is None for row in rows)
-    slide = half_travel(rows) if slides else 0.0
-    limits = []
-    for row in rows:
-        given = row.limits
-        bound, speed = (slide, 1.0) if row.type is JointType.PRISMATIC else (math.tau, math.pi)
-        velocity = speed if given.velocity is None else given.velocity
-        lower = -bound if given.lower is None else given.lower
-        upper = bound if given.upper is None else given.upper
-        if row.type is JointType.FIXED:
-            limits.append(new_limits())
-        elif row.type is JointType.CONTINUOUS:
-            limits.append(replace_unchecked(given, lower=None, upper=None, velocity=velocity))
-        else:
-            limits.append(replace_unchecked(given, lower=lower, upper=upper, velocity=velocity))
-    return limits
-
-
-def half_travel(rows: Sequence[DHRow]) -> Number:
-    """How far a prismatic joint without limits moves to each side [m]: its rail is no longer than the longest link.
-
-    A link is as long as `a`, or as `d` at joint value 0. ±1 m where all of an arm's links have the length 0.
-    """
-    lengths = [abs(row.d + row.offset) if row.type is JointType.PRISMATIC else abs(row.d) for row in rows]
-
-    def half(longest: float) -> float:
-        return two_digits(0.5 * longest, math.floor, 1e-9) if SMALLEST < longest < math.inf else 1.0
-
-    return mapped(half, reduce(greater_of, [*lengths, *(abs(row.a) for row in rows)]))
-
-
-def travel(joint_type: JointType, limits: Limits) -> float:
-    """How far a joint moves its link along its axis from where it is at joint value 0, at most [m]."""
-    if joint_type is not JointType.PRISMATIC or limits.lower is None or limits.upper is None:
-        return 0.0
-    farthest: float = greater_of(abs(limits.lower), abs(limits.upper))
-    return farthest
 
 
 class Part(NamedTuple):
@@ -185,6 +135,7 @@ def assemble(
                 origin=part.origin,
                 axis=part.axis,
                 limits=limits,
+                follows=row.follows,
                 **dynamics,
                 mark=row.mark,
             )
@@ -287,13 +238,13 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
     The load is bounded for every joint vector and for every way the arm may be mounted. A revolute joint i bears at
     most g·Σ m_j·l_ij over the links j it moves, where l_ij is the length of the way from its axis to the centre of mass
     j along the joints in between; a prismatic one bears at most the weight g·Σ m_j. From the tip inwards both sums take
-    one step per link.
+    one step per link. A leader also bears the load of each follower, times the size of its multiplier.
     """
 
     def rounded_up(needed: float) -> float:
         return two_digits(needed, math.ceil, -1e-9) if LEAST_EFFORT < needed < math.inf else max(LEAST_EFFORT, needed)
 
-    efforts = []
+    loads: dict[str, Any] = {}
     weight = moment = 0.0  # of all links further out, moment about the joint that carries them
     for part, body in zip(reversed(parts), reversed(bodies), strict=True):
         from_foot = subtract(body.com, part.foot)
@@ -305,5 +256,8 @@ def static_efforts(parts: Sequence[Part], bodies: Sequence[Inertial]) -> list[fl
         slide = travel(part.row.type, part.limits)
         moment += weight * part.reach + body.mass * (norm(from_foot) + slide)
         weight += body.mass
-        efforts.append(mapped(rounded_up, SAFETY * GRAVITY * load))
-    return efforts[::-1]
+        loads[part.row.joint] = load
+    rows = [part.row for part in parts]
+    for name, law in whole_laws({row.joint: row.follows for row in rows if row.follows}).items():
+        loads[law.leader] = loads[law.leader] + abs(law.multiplier) * loads[name]  # by the virtual work of both
+    return [mapped(rounded_up, SAFETY * GRAVITY * loads[row.joint]) for row in rows]

@@ -12,6 +12,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType
 from dh2urdf.rotations import HALF_PI, IDENTITY, is_column, nearest_quarter, quarter_turns, rounded_quarter_turn, where
 from dh2urdf.source import Messages, Problem, did_you_mean
 from dh2urdf.variations.drawn_links import GAP, is_to_compare, mesh_gap
+from dh2urdf_plugins.transforms.limits import leaves_limits
 from dh2urdf_plugins.transforms.shapes import SHAPES
 
 if TYPE_CHECKING:
@@ -153,11 +154,24 @@ def is_suspicious(angle: Number) -> Condition:
     return near
 
 
+# --- Followers --------------------------------------------------------------------------------------------------------
+
+
+def follower_notices(manipulator: Manipulator) -> Iterator[Problem]:
+    """A notice of each follower whose law leads it beyond limits that its row has."""
+    laws = manipulator.followers
+    for row in manipulator.rows:
+        if row.joint in laws and leaves_limits(row, laws[row.joint], manipulator):
+            limits, leader = row.limits, laws[row.joint].leader
+            about: dict[str, Any] = {"lower": limits.lower, "upper": limits.upper, "leader": leader}
+            yield row_problem(row, "law-leaves-limits", field="limits", **about)
+
+
 # --- Many tables ------------------------------------------------------------------------------------------------------
 
 
 def sure_tables(columns: ManipulatorColumns) -> Condition:
-    """Which of many tables are beyond doubt: `table_problems` and `angle_notices` have nothing to report about them.
+    """Which of many tables are beyond doubt: the functions above have nothing to report about them.
 
     The tests are sufficient ones, and cheap. What all have alike is judged by one of them.
     """
@@ -165,9 +179,11 @@ def sure_tables(columns: ManipulatorColumns) -> Condition:
 
     sure = np.ones(len(columns), dtype=bool)
     with np.errstate(all="ignore"):
-        compares = is_to_compare(columns.table)
+        compares, laws = is_to_compare(columns.table), columns.table.followers
         for row in columns.table.rows:
             sure &= _is_sure(row)
+            if row.joint in laws:
+                sure &= np.logical_not(leaves_limits(row, laws[row.joint], columns.table))
             if compares:
                 sure &= mesh_gap(row) < GAP
     if sure.any():

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, TypeAlias
 from dh2urdf.manipulator import Convention, JointType
 from dh2urdf.robot import Collision, Cylinder, Visual, new_origin, new_visual
 from dh2urdf.rotations import IDENTITY, DividedError, agreed, greater_of, hypot, is_column, smaller_of, where
-from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters
+from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, parameters
 from dh2urdf_plugins.transforms.checks import is_frame, sure_tables
 from dh2urdf_plugins.transforms.formulas import Quantity, constants, nameless, origin, plus, signed, times, values
 from dh2urdf_plugins.transforms.frames import aligned_frames, composed, modified_frames, settled, standard_frames
+from dh2urdf_plugins.transforms.limits import complete_limits
 from dh2urdf_plugins.transforms.shapes import (
     AHEAD,
     BARREL,

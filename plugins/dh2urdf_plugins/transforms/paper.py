@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.robot import Box, Collision, Origin, Visual
 from dh2urdf.rotations import Y_AXIS, Z_AXIS, ZERO
-from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, complete_limits, parameters, travel
+from dh2urdf_plugins.transforms.assembly import Base, Part, assemble, parameters
 from dh2urdf_plugins.transforms.checks import nearest_paper_angle
 from dh2urdf_plugins.transforms.formulas import (
     HALF,
@@ -26,6 +26,7 @@ from dh2urdf_plugins.transforms.formulas import (
     origin,
     times,
 )
+from dh2urdf_plugins.transforms.limits import complete_limits, travel
 from dh2urdf_plugins.transforms.shapes import BASE_COLOUR, LINK_COLOURS, Style, pedestal
 
 if TYPE_CHECKING:

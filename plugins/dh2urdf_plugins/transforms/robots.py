@@ -12,6 +12,7 @@ from dh2urdf.variations.drawn_links import other_lengths
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.checks import (
     angle_notices,
+    follower_notices,
     is_weighed,
     paper_problems,
     row_problem,
@@ -52,7 +53,7 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         robot = paper(manipulator, options)
     else:
         robot = exact(manipulator, options)
-        problems += [*raised, *angle_notices(given), *other_lengths(given)]
+        problems += [*raised, *angle_notices(given), *follower_notices(given), *other_lengths(given)]
     notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
     return replace(robot, notices=notices, manipulator=None if manipulator is given else manipulator)
 

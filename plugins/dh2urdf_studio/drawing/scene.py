@@ -118,7 +118,7 @@ class Drawing:
             own, table = _own_values(figure, q), figure.manipulator
             links = link_poses(figure.robot, own)
             frames = [links.get(link.name, IDENTITY) for link in figure.robot.links]
-            frames += dh_frames(table, [own[row.joint] for row in table.moving_rows]) if table else ()
+            frames += dh_frames(table, [own[row.joint] for row in table.actuated_rows]) if table else ()
             found += [figure.place @ frame for frame in frames]
         return tuple(found)
 

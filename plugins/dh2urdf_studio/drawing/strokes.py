@@ -50,7 +50,7 @@ class Stroke:
 
 
 def _frames(table: Manipulator, q: Mapping[str, float], place: RigidTransform = IDENTITY) -> list[RigidTransform]:
-    return [place @ frame for frame in dh_frames(table, [q.get(row.joint, 0.0) for row in table.moving_rows])]
+    return [place @ frame for frame in dh_frames(table, [q.get(row.joint, 0.0) for row in table.actuated_rows])]
 
 
 # --- Parameters and motions -------------------------------------------------------------------------------------------

@@ -136,7 +136,7 @@ def adopted(
     agreement = found.agreement
     if agreement is None or found.chain is None:
         return None
-    zero = found.chain.forward_kinematics((0.0,) * len(arm.moving_rows))
+    zero = found.chain.forward_kinematics((0.0,) * len(arm.actuated_rows))
     right = []
     for wanted in (own, own and _in_these_rows(own, arm, zero), agreement.corrected):
         if wanted is None or _kinds(wanted) != _kinds(arm):
@@ -178,7 +178,7 @@ def _in_these_rows(own: Manipulator, arm: Manipulator, zero: RigidTransform) -> 
             row = replace(row, **{field: getattr(moving, field) for field in numbers})  # noqa: PLW2901 - the same row
         rows.append(row)
     bare = replace(arm, base=own.base, rows=tuple(rows), tool=IDENTITY)
-    tool = forward_kinematics(bare, (0.0,) * len(arm.moving_rows)).inverse @ zero
+    tool = forward_kinematics(bare, (0.0,) * len(arm.actuated_rows)).inverse @ zero
     xyz, rpy = (tuple(round(number, DECIMALS) for number in each) for each in (tool.translation, tool.rpy))
     return replace(bare, tool=RigidTransform.from_xyz_rpy(xyz, rpy))  # type: ignore[arg-type]  # three of them
 

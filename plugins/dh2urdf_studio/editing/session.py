@@ -304,13 +304,13 @@ class Session(Tab):
         if self.arm is None or self.arm.other is None or (pose := self.pose) is None:
             return None
         chain = KinematicChain.between(self.arm.other)
-        found = chain.forward_kinematics([self.q.get(joint.name, 0.0) for joint in chain.moving])
+        found = chain.forward_kinematics([self.q.get(name, 0.0) for name in chain.actuated])
         return position_error(pose, found), angle_error(pose, found)
 
     @property
     def vector(self) -> list[float]:
-        """The values of the moving rows of the arm on the screen [rad or m]."""
-        return [self.q.get(row.joint, 0.0) for row in self.arm.manipulator.moving_rows] if self.arm else []
+        """The values of the actuated rows of the arm on the screen [rad or m]."""
+        return [self.q.get(row.joint, 0.0) for row in self.arm.manipulator.actuated_rows] if self.arm else []
 
     def look(self) -> None:
         """Reads the table; what was right last stays on the screen while something is wrong, a preview does not."""

@@ -104,7 +104,7 @@ def explained(table: Manipulator, number: int, q: Mapping[str, float], typed: Ta
     if 0 <= neighbour < len(table.rows):
         whose, a, alpha = f"a and α of row {neighbour + 1}", table.rows[neighbour].a, table.rows[neighbour].alpha
     there = dh_transform(other, a=a, alpha=alpha, d=d, theta=theta)
-    frame = dh_frames(table, [q.get(each.joint, 0.0) for each in table.moving_rows])[index]
+    frame = dh_frames(table, [q.get(each.joint, 0.0) for each in table.actuated_rows])[index]
     factors = [f"A<sub>{each}</sub>" for each in range(1, index + 1)]
     product = " ".join(["base", *(factors if index <= _MOST_FACTORS else (factors[0], "…", factors[-1]))])
     here = row_transform(table.convention, row, value)

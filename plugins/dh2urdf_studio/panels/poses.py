@@ -162,7 +162,7 @@ class MeasuringPanel(Panel):
         manipulator, sliders = self._arm.manipulator, self._session.sliders
         count = max(1, min(_POINTS, _NUMBERS // max(1, len(sliders))))
         drawn = [joints.anywhere(sliders) for _ in range(count)]
-        q = np.array([[each.get(row.joint, 0.0) for row in manipulator.moving_rows] for each in drawn])
+        q = np.array([[each.get(row.joint, 0.0) for row in manipulator.actuated_rows] for each in drawn])
         points = manipulator.fk(q)[:, :3, 3]
         self._tell("showCloud", points.round(6).ravel().tolist())  # to a micrometre
         far = np.linalg.norm(points, axis=1)

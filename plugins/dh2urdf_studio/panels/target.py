@@ -162,7 +162,7 @@ class TargetPanel(Panel):
 
     def _take(self, arm: Manipulator, found: InverseSolution) -> None:
         values = {}
-        for row, value in zip(arm.moving_rows, found.q, strict=True):
+        for row, value in zip(arm.actuated_rows, found.q, strict=True):
             turns = row.type is not JointType.PRISMATIC and row.limits.lower is None
             values[row.joint] = math.remainder(value, math.tau) if turns else value
         self._session.move(values)

@@ -244,7 +244,7 @@ class TestProof:
             robot = published[arm.of]
             for values, pose in zip(robot.q, robot.poses, strict=True):
                 q = np.zeros(len(stated.joints))
-                q[list(tip.columns)] = values
+                q[list(tip.columns.values())] = values
                 expected = at(arm.placement) @ np.asarray(pose)
                 np.testing.assert_allclose(as_matrices(tip.pose(tuple(q))), expected, rtol=0, atol=1e-9)
 

@@ -207,7 +207,8 @@ class TestTheChain:
     BRANCHES = (*PLAIN, END, joint("pan", "upper", "camera"), joint("weld", "foot", "sign", type="fixed", more=""))
 
     LEAVES = urdf(*BRANCHES).replace("tool0", "hand")
-    FOLLOWER = joint("finger_2", "upper", "tip", more=f'{LIMITS}<mimic joint="hip"/>')
+    SIDE = joint("pan", "upper", "camera")
+    FOLLOWER = joint("finger_2", "upper", "tip", more=f'{LIMITS}<mimic joint="pan"/>')
 
     @pytest.mark.parametrize("name", ["tool0", "left_tool0", "panda_hand_tcp", "link_tcp"])
     def test_a_usual_tip_is_taken(self, tmp_path: Path, name: str) -> None:
@@ -227,7 +228,7 @@ class TestTheChain:
             (urdf(*PLAIN, END), {"tip_link": "tool"}, "link-unknown"),
             (urdf(*PLAIN, END), {"base_link": "tool0", "tip_link": "foot"}, "no-way"),
             (urdf(*PLAIN, END), {"base_link": "fore"}, "chain-without-motion"),
-            (urdf(PLAIN[0], FOLLOWER), {}, "joint-not-own"),
+            (urdf(PLAIN[0], SIDE, FOLLOWER), {"tip_link": "tip"}, "joint-not-own"),
             (urdf(*PLAIN, END, joint("rod", "foot", "fore", type="fixed", more="")), {}, "chain-in-loop"),
             (urdf(joint("hip", "a", "b", axis="0 0 0")), {}, "axis-of-length-0"),
             (urdf(joint("hip", "a", "b", more=LIMITS.replace('"2.5"', '"-3"'))), {}, "lower-above-upper"),

@@ -121,7 +121,7 @@ REFUSED = [
         (header, "3")
         for header in ("foo", "total mass", "θ ref", "c", "Jm", "foo (deg)", "rotor inertia", "theta0", "j")
     ),
-    *((header, "yes") for header in ("passive", "is_fixed", "mimic")),
+    *((header, "yes") for header in ("passive", "is_fixed", "coupled")),
     ("movable", "no"),
     *(("foo", cell) for cell in ("q1 + 0.1", "-q1", "d1", "180 deg", "±170°", "-170 to 170 deg", "pi/2", "3.5 kg")),
 ]

@@ -42,7 +42,7 @@ class Joints:
     def kind(self) -> object:
         """The same for joints that differ in numbers only."""
         joints = zip(self.robot.joints, self.places, strict=True)
-        forms = [(joint.name, joint.type, joint.parent, joint.child, *where.items()) for joint, where in joints]
+        forms = [(each.name, each.type, each.parent, each.child, each.follows, *at.items()) for each, at in joints]
         return (*[link.name for link in self.robot.links], *forms)
 
     def with_numbers(self, name: str, rows: Any) -> Robot:  # noqa: ANN401 - an array

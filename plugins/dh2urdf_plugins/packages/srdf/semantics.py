@@ -11,7 +11,7 @@ from lxml import etree
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.manipulator import ENDS, TOOL, WORLD, JointType
+from dh2urdf.manipulator import ENDS, TOOL, WORLD
 from dh2urdf.quantities import format_numbers
 from dh2urdf.source import Messages, free_name
 from dh2urdf_plugins.formats.urdf.writer import Notation
@@ -49,7 +49,7 @@ def groups(robot: Robot, name: str) -> list[Group]:
         links = [link.name for link in kind.links]
         base, tip = prefix + kind.root, prefix + (TOOL if TOOL in links else links[-1])
         chain = KinematicChain.between(robot, base, tip)
-        joints = tuple(joint for joint in chain.joints if joint.type is not JointType.FIXED)
+        joints = tuple(joint for joint in chain.moving if joint.name not in chain.followers)
         if joints:
             found.append(Group(prefix + name, base, tip, joints))
     return found

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import row_transform
-from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType
+from dh2urdf.manipulator import ROOT, TOOL, Convention, Follower, JointType
 from dh2urdf.quantities import UNITS, format_number, number_in
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, free_name
@@ -62,6 +62,10 @@ def matlab_file(arms: Sequence[Manipulator]) -> bytes:
         for body, words in _bodies(arm):
             text += filled("table/templates/body.m", TREE=name, BODY=_quoted(body), PARENT=_quoted(parent), **words)
             parent = body
+        if arm.followers:
+            values = ", ".join(_led(arm, lambda number: f"q({number + 1})"))
+            text += "% Joint values of the tree, from those of the joints that follow none.\n"
+            text += f"{name}_q = @(q) [{values}];\n"
     return text.encode()
 
 
@@ -146,6 +150,9 @@ def toolbox_file(arms: Sequence[Manipulator]) -> bytes:
         }
         links = "\n".join(f"{_class(arm, row)}({', '.join(_link(row))})," for row in rows)
         text += filled("table/templates/robot.py", NAME=name, LINKS=links, TEXT=json.dumps(arm.name), **poses)
+        if arm.followers:
+            values = ", ".join(_led(arm, lambda number: f"q[{number}]"))
+            text += filled("table/templates/followers.py", NAME=name, VALUES=values)
     words = set(re.findall(r"\w+", _STRING.sub("", text)))
     classes = sorted({_class(arm, row) for arm in arms for row in arm.moving_rows})
     title = ", ".join(" ".join(arm.name.split()) for arm in arms).replace("\\", "\\\\").replace('"', '\\"')
@@ -203,6 +210,14 @@ def _link(row: DHRow) -> list[str]:
         "name": json.dumps(row.link),
     }
     return [f"{name}={word}" for name, word in words.items() if word]
+
+
+def _led(arm: Manipulator, value: Callable[[int], str]) -> Iterator[str]:
+    """The value of each moving joint, of those of the joints that follow none."""
+    numbers = {row.joint: number for number, row in enumerate(arm.actuated_rows)}
+    for row in arm.moving_rows:
+        law = arm.followers.get(row.joint, Follower(row.joint))
+        yield law._replace(leader=value(numbers[law.leader])).text(_number(row)(law.offset))
 
 
 def _array(rows: Sequence[Sequence[str]]) -> str:

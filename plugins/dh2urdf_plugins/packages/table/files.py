@@ -140,6 +140,7 @@ def _row(row: DHRow) -> dict[str, Any]:
         sign=row.sign if row.sign != 1 else None,
         **{name: getattr(row, name) for name in ("limits", "mass", "com", "inertia", "radius")},
         **{name: getattr(row, name) for name in ("damping", "friction", "armature", "visual", "collision")},
+        follows=row.follows and dict(zip(("joint", "multiplier", "offset"), row.follows, strict=False)),
     )
 
 

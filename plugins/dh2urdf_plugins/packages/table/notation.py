@@ -56,6 +56,7 @@ def markdown_file(arms: Sequence[Manipulator], options: TableOptions) -> bytes:
         rows, units = _cells_of(arm, options, _MARKDOWN)
         heads = ["no.", "joint", "type", f"a [{length}]", f"α [{angle}]", f"d [{length}]", f"θ [{angle}]"]
         heads += [f"{bound} [{', '.join(units)}]" for bound in ("lower", "upper") if units]
+        heads += ["follows"] if arm.followers else []
         rows = [heads, ["--:", "---", "---", *["--:"] * (len(heads) - 3)], *rows]
         block = filled(
             "table/templates/table.md",
@@ -80,6 +81,7 @@ def latex_file(arms: Sequence[Manipulator], options: TableOptions) -> bytes:
         heads += [f"$d_i$ [{length}]", rf"$\theta_i$ [{angle}]"]
         limits = ", ".join(_UNITS[unit] for unit in units)
         heads += [rf"$q_{{\{bound}}}$ [{limits}]" for bound in ("min", "max") if limits]
+        heads += ["follows"] if arm.followers else []
         factors = (r"R_z(\theta_i)", r"T_z(d_i)", rf"T_x(a_{{{own}}})", rf"R_x(\alpha_{{{own}}})")
         block = filled(
             "table/templates/table.tex",
@@ -96,7 +98,7 @@ def latex_file(arms: Sequence[Manipulator], options: TableOptions) -> bytes:
 
 
 def _cells_of(arm: Manipulator, options: TableOptions, notation: Notation) -> tuple[list[list[str]], list[str]]:
-    """The cells of each row: number, name and type of the joint, a, α, d, θ and limits, if any; the units of limits."""
+    """The cells of each row: number, name, type, a, α, d, θ, limits and laws, if any; the units of limits."""
     length, angle = UNITS[options.length_unit], UNITS[options.angle_unit]
     limited = [row for row in arm.moving_rows if (row.limits.lower, row.limits.upper) != (None, None)]
     units = dict.fromkeys(length if row.type is JointType.PRISMATIC else angle for row in limited)
@@ -110,6 +112,10 @@ def _cells_of(arm: Manipulator, options: TableOptions, notation: Notation) -> tu
             limits = (row.limits.lower, row.limits.upper)
             texts = ["" if each is None else notation.number(number_in(each, unit)) for each in limits]
             cells += [text and f"{notation.formula}{text}{notation.formula}" for text in texts]
+        if arm.followers:
+            unit = length if row.type is JointType.PRISMATIC else angle
+            law = row.follows.text(f"{number_in(row.follows.offset, unit)} {unit.symbol}") if row.follows else ""
+            cells.append(notation.text(law))
         rows.append(cells)
     return rows, [unit.symbol for unit in units]
 

@@ -53,6 +53,7 @@ def robot_of(arm: Manipulator) -> Robot:
                 origin=Origin.of(origin),
                 axis=Z_AXIS if row.sign > 0 else (0.0, 0.0, -1.0),
                 limits=row.limits,
+                follows=row.follows,
             )
         )
         links.append(Link(name=row.link))

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, SI_UNITS
-from dh2urdf.manipulator import ENDS, Convention, DHRow, Inertia, JointType, Limits
+from dh2urdf.manipulator import ENDS, Convention, DHRow, Follower, Inertia, JointType, Limits, leader_problems
 from dh2urdf.quantities import RATES, Dimension, Quantity, QuantityError, accepted_units, evaluate
 from dh2urdf.rotations import HALF_PI, rounded_quarter_turn
 from dh2urdf.source import Mark, Messages, Problem, shown
@@ -54,6 +54,8 @@ _AXIS = r"(?i)[-+−–]?\s*[xyz]\s*[-+−–]?"
 _LABELLED = rf"(?:[^\W\d_]{{1,12}}[\s_.#-]*)?{_NUMBER}\s*[*†‡§]?(?:\s*[\W_].*)?"
 _MEANT_VARIABLE = r"(?i)(?<![a-zA-Z])(?:q|θ|ϑ|th|theta)[\W_]{0,3}[0-9ij₀-₉]"
 """A joint variable, in a cell that cannot be read: ``θ2 - θ1``."""
+_LAW = r"(?:(?P<factor>.+?)\s*[*·×]\s*|(?P<sign>[-+−])\s*)?(?P<joint>{names}|[^\W\d][^\s*+·×]*)\s*(?P<added>[-+−].+)?"
+"""A cell that says whom a joint follows."""
 say = Messages(__file__)
 
 
@@ -75,6 +77,8 @@ class RowReader:
         self.rounded: list[tuple[Cell, str]] = []  # angles that are nearly a multiple of π/2, and what was meant
         self.from_zero = False  # whether the joint variables are counted from 0: q0 in the first row
         self.types_from: str | None = None  # the header of the column without a field that holds the types
+        self.joints: Sequence[str] = ()  # the names of all joints, which a row may follow
+        self.laws: dict[str, Cell] = {}  # the cells that say whom a joint follows, by its name
         self._angle = units.in_functions
         # Of the row:
         self._cells: Mapping[str, Cell] = {}
@@ -110,9 +114,11 @@ class RowReader:
         """Whether any of some cells says something."""
         return any(name in self._cells and self._cells[name].text for name in names)
 
-    def finish(self, convention: Convention | None) -> None:
+    def finish(self, rows: Sequence[DHRow], convention: Convention | None) -> None:
         """Reports what is wrong with all rows together, in a convention."""
         self.add(*(name_problems(self.names) if self.names else ()))
+        for each in leader_problems(rows) if self.laws and not self.errors else ():
+            self.add(replace(each, mark=self.laws[str(each.joint)].mark))
         for cell, meant in self.rounded[:1]:  # one notice for all of them
             count = f"; {len(self.rounded)} angles are rounded like that" if self.rounded[1:] else ""
             code = "angle-repaired" if self.units.repair_pi else "angle-rounded"
@@ -141,7 +147,7 @@ class RowReader:
         measured = [name for name in cells if FIELDS[name].dimension]
         read = {name: found for name in measured if (found := self._quantity(name, kind)) is not None}
         numbers = {name: quantity.value for name, quantity in read.items()}
-        geometry, limits = self._joint_variable(read, kind), self._limits(read, kind)
+        geometry, limits, law = self._joint_variable(read, kind), self._limits(read, kind), self._law(kind)
         self._six_parameters(numbers)
         for given, needed, accepted in _TOGETHER:
             other = next((name for name in given if self._says(name) and kind in ROW_FIELDS[name].types), None)
@@ -166,6 +172,7 @@ class RowReader:
             limits=limits,
             com=tuple(numbers.get(name, 0.0) for name in COM) if self._says(*COM) else None,  # type: ignore[arg-type]
             inertia=Inertia(**{name: numbers.get(name, 0.0) for name in INERTIA}) if self._says(*INERTIA) else None,
+            follows=law,
             mark=mark,
         )
 
@@ -295,6 +302,34 @@ class RowReader:
             if self._says(name) and self._cells[name].of_theta:
                 self._note("bound-of-theta", name)
         return {**values, "sign": direction}
+
+    def _law(self, kind: JointType) -> Follower | None:
+        """Whom the joint follows, and how: ``j2``, ``-j2``, ``-1 * j2 + 90 deg``."""
+        text = self._cells["follows"].text if self._says("follows") else ""
+        if text.casefold().strip("-–— ") in {"", *keys_in("values", "nothing")}:
+            return None
+        if kind is JointType.FIXED:
+            self._note("change-of-fixed", "follows", neutral="empty")
+            return None
+        names = "|".join(map(re.escape, sorted(self.joints, key=len, reverse=True)))
+        if (match := re.fullmatch(_LAW.format(names=names), text)) is None:
+            self._note("law-unclear", "follows")
+            return None
+        self.laws[self._joint] = self._cells["follows"]
+        factor, joint, added = match["factor"] or f"{match['sign'] or ''}1", match["joint"], match["added"] or "0"
+        dimension = Dimension.LENGTH if kind is JointType.PRISMATIC else Dimension.ANGLE
+        unit, known = self.units.unit_of("offset", dimension), {"symbols": self.units.symbols, "angle": self._angle}
+        try:
+            multiplier = evaluate(factor, Dimension.NUMBER, **known)  # type: ignore[arg-type]
+            offset = evaluate(added, dimension, unit, **known)  # type: ignore[arg-type]
+        except QuantityError as error:
+            self._note("law-unread", "follows", reason=error.message)
+            return None
+        if multiplier.variable or offset.variable:
+            self._note("law-unclear", "follows")
+        if not offset.has_unit:
+            self._look_at_unit("follows", dimension, offset, unit)
+        return Follower(joint, multiplier.value, offset.value)
 
     def _six_parameters(self, numbers: Mapping[str, float]) -> None:
         """Takes what the row has of Hayati, and of Khalil and Kleinfinger."""

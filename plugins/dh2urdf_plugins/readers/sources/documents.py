@@ -51,6 +51,8 @@ _JOINTS = (
 _UNIT_KEY = r"(?i)(?:(length|angle)_units?|units?_(length|angle))"
 _OF_OTHER_PROGRAMS = ("columns", "dof", "version")
 """Keys that declare nothing of the arm."""
+_LAW = ("joint", "multiplier", "offset")
+"""What a mapping under `follows` says."""
 _PARTS = {"limits": LIMITS, "com": COM, "inertia": INERTIA}
 _OTHERS = (
     ("ur-kinematics", "a calibration of Universal Robots' ROS packages", "kinematics", "shoulder"),
@@ -300,6 +302,8 @@ class Document:
         if field.name in GROUPS:
             self.problems.append(say("key-with-a-unit", place, field=field.name, found=key))
             return {}
+        if field.name == "follows" and isinstance(node.value, dict):
+            return {"follows": _Value(key, place, self._law(node), node.mark)}
         turned = flip_of(_text(node)) if field.name == "flip" and not mapping.entry("sign") else None
         if turned is not None:  # one column with `sign`
             return {"sign": _Value("sign", place, "-1" if turned else "1", node.mark)}
@@ -308,6 +312,15 @@ class Document:
             cell = say("truth-value", node.mark, field=field.name, found=node.text, what=node.describe())
         column = f"{field.name}{header.link or ''}{header.unit or ''}"  # keys of one field have one column
         return {column: _Value(key, place, cell, node.mark)}
+
+    def _law(self, node: Node) -> str | Problem:
+        """Whom a joint follows, given as a mapping, as the text of a cell."""
+        self.problems += [_unknown_key(node, key, _LAW) for key in node.plain() if key not in _LAW]
+        joint, factor, added = (_text(item) if (item := node.entry(key)) else "" for key in _LAW)
+        if not joint:
+            about = {"what": "a mapping without `joint`", "wanted": "{joint: j2, multiplier: -1}"}
+            return say("wrong-value", node.mark, field="follows", **about)
+        return f"({factor or 1}) * {joint} + ({added or 0})"
 
     def _parts(self, group: str, place: Mark, node: Node) -> dict[str, _Value]:
         """Several fields at once: as a mapping, as a list, or as the text of a cell."""

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.words.fields import Field
 
 _KINDS = dict.fromkeys(("joint", "link"), "name") | dict.fromkeys(REQUIRED, "number")
-_KINDS |= {name: name for name in ("type", "flip", *GROUPS)}
+_KINDS |= {name: name for name in ("type", "flip", "follows", *GROUPS)}
 """The definition of each field's value; that of the others is a number, or none."""
 _BETWEEN_FACTORS = r"[\s·⋅*^.-]*"
 """What the reader overlooks in a unit."""

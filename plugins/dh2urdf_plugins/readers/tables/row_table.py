@@ -304,7 +304,10 @@ class RowTable:
             return [None]
         declare_types(self.sentences, found, reader.add)
         read: list[DHRow | None] = []
-        for number, (cells, mark) in enumerate(found, start=JointRows(found, reader).first):
+        first = JointRows(found, reader).first
+        named = [cells["joint"].text if cells and "joint" in cells else "" for cells, _ in found]
+        reader.joints = [name or f"joint_{number}" for number, name in enumerate(named, start=first)]
+        for number, (cells, mark) in enumerate(found, start=first):
             read.append(None if cells is None else reader.read(number, cells, mark))
             if _is_enough(reader):
                 break
@@ -350,7 +353,7 @@ def _manipulator(
     if not rows:
         reader.add(say("no-joints", mark, field="joints"))
     arm = [row for row in rows if row]
-    reader.finish(statements.convention and statements.convention[0])
+    reader.finish(arm, statements.convention and statements.convention[0])
     if statements.calibration and statements.convention and arm and not reader.errors:
         try:
             calibration = statements.calibration.read(statements.convention[0])

@@ -170,7 +170,7 @@ _NAMES = (
         "inertia",
         *INERTIA,
     ),
-    *("radius", "damping", "friction", "armature"),
+    *("radius", "damping", "friction", "armature", "follows"),
 )
 _NUMBERS = {"sign": RowField(Dimension.NUMBER), "b": RowField(Dimension.LENGTH), **ROW_FIELDS}
 _NUMBERS |= dict.fromkeys(("beta", "gamma"), RowField(Dimension.ANGLE))

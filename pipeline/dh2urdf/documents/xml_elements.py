@@ -127,16 +127,27 @@ def lost_references(elements: Iterable[str], names: AbstractSet[str]) -> Iterato
                     yield str(element.tag), attribute, name
 
 
-def renamed(text: str, names: AbstractSet[str], rename: Callable[[str], str]) -> etree._Element:
-    """An element in which every name that it gives, and every name of these, is another one."""
+def renamed(
+    text: str, names: AbstractSet[str], rename: Callable[[str], str], keep: Callable[[str], str] = str
+) -> etree._Element:
+    """An element in which every name that it gives, and every name of these, is another one.
+
+    Args:
+        text: the element, which comes back without its comments.
+        names: the names of links and joints that it may have.
+        rename: what a name becomes.
+        keep: what any other text becomes, for a format in which texts have a meaning of their own.
+    """
     element = etree.fromstring(text)
+    etree.strip_elements(element, etree.Comment, etree.ProcessingInstruction, with_tail=False)
     for each in element.iter(etree.Element):
         given = DEFINED.get(str(each.tag))
         if str(each.tag) == "sensor" and element.tag != "ros2_control":
             given = None  # one of Gazebo's, whose name is its link's business
         for attribute, value in each.items():
-            if attribute == given or value in names:
-                each.set(attribute, rename(str(value)))
-        if (inner := (each.text or "").strip()) in names:
-            each.text = rename(inner)
+            is_name = attribute == given or value in names
+            each.set(attribute, rename(str(value)) if is_name else keep(str(value)))
+        inner = (each.text or "").strip()
+        each.text = rename(inner) if inner in names else each.text and keep(each.text)
+        each.tail = each.tail and keep(each.tail)
     return element

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import math
 import re
 import shutil
 import subprocess
@@ -19,8 +20,12 @@ import pytest
 from drake_frames import drake_plant
 
 import dh2urdf_plugins.formats.urdf
+from dh2urdf.cells.attachments import attached
+from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose
 from dh2urdf.errors import EmitterError
+from dh2urdf.robot import Origin
 from dh2urdf.stages import GivesNotices, ReadsBack
+from dh2urdf_plugins.edits.attach import AttachOptions
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF, ProfileName
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, Profile
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
@@ -134,6 +139,55 @@ def test_a_cell_is_the_same_in_both(cli: Callable[..., Any], tmp_path: Path, pro
     found = ET.fromstring(expand(tmp_path / "ur5_on_track.urdf.xacro"))  # noqa: S314
     wanted = ET.parse(tmp_path / "ur5_on_track.urdf").getroot()  # noqa: S314
     assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))
+
+
+HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
+
+
+def with_hands(robot: Robot, **parents: str) -> Robot:
+    """A robot with a hand of each name on a link."""
+    for name, parent in parents.items():
+        options = AttachOptions(file=HAND, name=name, parent=parent, xyz=(0.1, 0.0, 0.011), rpy=(0.1, 0.2, math.pi / 2))
+        robot = attached(robot, options.attachment[0])
+    return robot
+
+
+@profiles
+@pytest.mark.parametrize("single_file", [False, True])
+def test_what_is_attached_is_the_same_in_both(
+    ur5: Robot, write: Write, tmp_path: Path, profile: str, *, single_file: bool
+) -> None:
+    """A hand that holds another one, in a macro each, with their transmissions, systems and materials."""
+    robot = with_hands(ur5, hand="tool0", second="hand_tool0")
+    found = ET.fromstring(expanded(robot, profile, tmp_path, single_file=single_file))  # noqa: S314
+    wanted = ET.parse(write(robot, profile)).getroot()  # noqa: S314
+    assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))
+    files = {path.name: path.read_bytes() for path in tmp_path.glob("*.xacro")}
+    assert [name for name, content in files.items() if b'name="part_hand"' in content] == [
+        "arm.urdf.xacro" if single_file else "arm_parts.xacro"
+    ]
+    assert sum(content.count(b"<mimic") for content in files.values()) == 1
+
+
+@profiles
+def test_a_cell_of_hands_is_the_same_in_both(ur5: Robot, write: Write, tmp_path: Path, profile: str) -> None:
+    """One macro for hands of two arms, on the floor and on a hand; the arm that bears two is a kind of its own."""
+    arm = with_hands(ur5, hand="tool0")
+    arms = tuple(
+        ArmCall(name=name, of="ur5", prefix=f"{name}_", placement=Origin(xyz=(at, 0.0, 0.0)))
+        for name, at in (("left", 0.0), ("right", 1.0))
+    )
+    cell = compose(Cell(call=CellCall(name="cell", arms=arms), manipulators={}), {"ur5": arm})
+    robot = with_hands(cell, floor="world", extra="left_hand_tool0")
+    found = ET.fromstring(expanded(robot, profile, tmp_path))  # noqa: S314
+    wanted = ET.parse(write(robot, profile)).getroot()  # noqa: S314
+    assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))
+    macros = re.findall(r'<xacro:macro name="(\w+)"', (tmp_path / "arm_parts.xacro").read_text())
+    assert macros == ["part_hand"]
+    macros = re.findall(r'<xacro:macro name="(\w+)"', (tmp_path / "arm_macro.xacro").read_text())
+    assert [name for name in macros if not name.endswith("_at")] == ["urdoc_ur5", "urdoc_ur5_2"]
+    calls = re.findall(r"<xacro:(part\w+) prefix=", (tmp_path / "arm.urdf.xacro").read_text())
+    assert calls == ["part_hand"] * 2
 
 
 # --- Each by its reader -----------------------------------------------------------------------------------------------

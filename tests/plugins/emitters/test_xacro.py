@@ -5,14 +5,19 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 import pytest
 from hypothesis import given, strategies as st
+from lxml import etree
 
-from dh2urdf.errors import ProofError
+from dh2urdf.cells.attachments import attached
+from dh2urdf.errors import EmitterError, ProofError
 from dh2urdf.manipulator import JointType
+from dh2urdf.robot import Follower
+from dh2urdf_plugins.edits.attach import AttachOptions
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro import EMITTER, XacroOptions
@@ -20,8 +25,6 @@ from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 from dh2urdf_plugins.formats.xacro.writer import angle_text, macro_name
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from dh2urdf.robot import Robot
 
 SCENE = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">{}</robot>'
@@ -127,6 +130,57 @@ def test_two_macros_and_two_calls_do_not_disturb_each_other(arm: Robot, tmp_path
         assert at[f"{prefix}turn"].rpy == (-math.pi / 2 * factor, 0, 0.3)
 
 
+HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
+
+
+def with_part(robot: Robot, file: Path, **options: Any) -> Robot:
+    return attached(robot, AttachOptions(file=file, **options).attachment[0])
+
+
+def test_the_prefix_goes_before_every_name_of_what_is_attached(arm: Robot, tmp_path: Path) -> None:
+    """And before those that its other elements name; the joint that holds it is the arm's."""
+    path = write(with_part(arm, HAND, name="hand", prefix="h_"), tmp_path)
+    root = etree.fromstring(expand(path, {"prefix": "01"}))
+    named = [
+        *root.iterfind("link"),
+        *root.iterfind("joint"),
+        *root.iterfind("transmission"),
+        *root.iterfind("material"),
+    ]
+    assert {name[:2] for name in (each.get("name") for each in named)} == {"01"}
+    assert root.find("joint/mimic").get("joint") == root.find("transmission/joint").get("name") == "01h_left"
+    assert root.find("gazebo").get("reference") == "01h_left_finger"
+    assert root.findtext("ros2_control/joint/param") == "01h_right"
+    assert "01hand_joint" in {each.get("name") for each in root.iterfind("joint")}
+
+
+def test_a_part_is_called_by_hand(arm: Robot, tmp_path: Path) -> None:
+    """Twice in a robot of somebody else, with the macro's file alone."""
+    write(with_part(arm, HAND, name="hand"), tmp_path)
+    call = '<xacro:part_hand prefix="{0}_" parent="plate"><origin xyz="0 {1} 0"/></xacro:part_hand>'
+    include = '<xacro:include filename="arm_parts.xacro"/><link name="plate"/>'
+    robot = scene(tmp_path, include + call.format("l", 1) + call.format("r", 2))
+    held = {joint.name: joint.origin.xyz for joint in robot.joints if joint.parent == "plate"}
+    assert held == {"l_joint": (0, 1, 0), "r_joint": (0, 2, 0)}
+    assert robot.followers == {f"{side}_right": Follower(f"{side}_left", -0.05, 0.001) for side in "lr"}
+
+
+def test_a_material_of_arm_and_part_is_defined_once(arm: Robot, tmp_path: Path) -> None:
+    """Without a prefix both may have it: readers refuse two definitions, and two colours are an error as in a URDF."""
+    (tmp_path / "pen.urdf").write_text(PEN.format(0.5))
+    robot = with_part(arm, tmp_path / "pen.urdf", name="pen", prefix="")
+    root = etree.fromstring(expand(write(robot, tmp_path)))
+    assert [each.get("name") for each in root.iterfind("material")] == ["grey", "orange"]
+    assert parse_urdf(etree.tostring(root), "arm") == robot
+    (tmp_path / "pen.urdf").write_text(PEN.format(0.6))
+    with pytest.raises(EmitterError):
+        write(with_part(arm, tmp_path / "pen.urdf", name="pen", prefix=""), tmp_path)
+
+
+PEN = """<robot name="pen"><material name="grey"><color rgba="{0} 0.5 0.5 1"/></material><link name="pen"><visual>
+<geometry><sphere radius="0.1"/></geometry><material name="grey"/></visual></link></robot>"""
+
+
 HOSTILE = "${xacro.fatal('evaluated')} $(env HOME) $${x} $(arg prefix) '\" {a} }&<]]> xacro:eval-comments --"
 
 
@@ -140,6 +194,20 @@ def test_nobody_evaluates_a_name(arm: Robot, tmp_path: Path) -> None:
     prefixed = parse_urdf(expand(path, {"prefix": "${1/0}_"}), "arm")
     assert prefixed.name == HOSTILE
     assert prefixed.joints[1].name == "${1/0}_" + HOSTILE
+
+
+def test_nobody_evaluates_what_a_file_has_for_other_programs(arm: Robot, tmp_path: Path) -> None:
+    """The texts, attributes and options of an attached URDF are text, and its comments are gone."""
+    text = "${xacro.fatal('evaluated')} $(env HOME) $${x}"
+    inner = f'<!-- xacro:eval-comments --><!-- {text} --><a b="{text}">{text}<c/>{text}</a>'
+    (tmp_path / "pen.urdf").write_text(
+        f'<robot name="pen"><link name="pen"/><gazebo>{inner}</gazebo>'
+        f'<mujoco><custom><text name="t" data="{text}"/></custom></mujoco></robot>'
+    )
+    root = etree.fromstring(expand(write(with_part(arm, tmp_path / "pen.urdf", name="pen"), tmp_path)))
+    found = root.find("gazebo/a")
+    assert (found.get("b"), found.text.strip(), found.find("c").tail.strip()) == (text, text, text)
+    assert root.find("mujoco/custom/text").get("data") == text
 
 
 @pytest.mark.parametrize("stem", ["a$(b)", "${c}", "a b", "[ab]*?", "é"])

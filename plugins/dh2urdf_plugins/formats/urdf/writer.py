@@ -85,6 +85,10 @@ class Notation:
             raise EmitterError(say("name-not-for-xml", found=shown(text), number=ord(culprit.group())))
         return text
 
+    def verbatim(self, text: str) -> str:
+        """A text of another program, which is written as it is."""
+        return text
+
     def name(self, name: str) -> str:
         """The name of a link, a joint or a material."""
         return self.text(name)
@@ -118,7 +122,7 @@ def urdf_tree(
 ) -> etree._Element:
     """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for."""
     root = notation.robot(name)
-    append_mujoco_options(root, robot, own=mujoco)
+    append_mujoco_options(root, robot, notation, own=mujoco)
     append_robot(root, robot, notation, shared_materials=shared_materials)
     return root
 
@@ -128,10 +132,7 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
 
     Materials that are not shared are written into each visual.
     """
-    materials: dict[str, Material] = {}
-    for visual in (visual for link in robot.links for visual in link.visuals):
-        if (material := visual.material) and materials.setdefault(material.name, material) != material:
-            raise refused(robot, "material-of-two-colours", material=material.name)
+    materials = materials_of(robot)
     for material in materials.values() if shared_materials else ():
         _append_material(parent, material, notation)
     joint_to, foreign = {joint.child: joint for joint in robot.joints}, robot.foreign_names
@@ -143,15 +144,25 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
         append_carried(parent, attachment, notation)
 
 
+def materials_of(robot: Robot) -> dict[str, Material]:
+    """The materials of a robot by their names, each of which has one colour."""
+    materials: dict[str, Material] = {}
+    for visual in (visual for link in robot.links for visual in link.visuals):
+        if (material := visual.material) and materials.setdefault(material.name, material) != material:
+            raise refused(robot, "material-of-two-colours", material=material.name)
+    return materials
+
+
 def append_carried(parent: etree._Element, attachment: Attachment, notation: Notation) -> None:
     """Appends what the file of an attachment has for programs but MuJoCo, with the names that its links have here."""
     for text in attachment.elements:
-        element = renamed(text, attachment.names, lambda name: notation.name(attachment.prefix + name))
+        names = attachment.names
+        element = renamed(text, names, lambda name: notation.name(attachment.prefix + name), notation.verbatim)
         if element.tag != "mujoco":
             parent.append(element)
 
 
-def append_mujoco_options(parent: etree._Element, robot: Robot, *, own: bool = True) -> None:
+def append_mujoco_options(parent: etree._Element, robot: Robot, notation: Notation, *, own: bool = True) -> None:
     """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
 
     Of meshes it takes the file's name alone, without its folder, unless an option forbids it. It reads one element of
@@ -163,7 +174,8 @@ def append_mujoco_options(parent: etree._Element, robot: Robot, *, own: bool = T
         etree.SubElement(element, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
     for attachment in robot.attachments:
         for text in attachment.elements:
-            carried = renamed(text, attachment.names, lambda name: f"{attachment.prefix}{name}")  # noqa: B023 - used here
+            prefix, names = attachment.prefix, attachment.names
+            carried = renamed(text, names, lambda name: notation.text(prefix + name), notation.verbatim)  # noqa: B023 - used here
             for child in carried if carried.tag == "mujoco" else ():
                 if (there := element.find(str(child.tag))) is None:
                     there = etree.SubElement(element, str(child.tag))

@@ -34,7 +34,7 @@ EMITTER = Emitter(
     capabilities=(
         ReadsBack(read_xacro, is_costly=True),
         ReadsForeign(foreign_xacro, has_macros=True, can_attach=True),
-        OtherFiles(other_endings=("_macro.xacro",), one_file=one_file),
+        OtherFiles(other_endings=("_macro.xacro", "_parts.xacro"), one_file=one_file),
         *checks("inspection:inspect_xacro", "files:xacros"),
         GivesNotices(notices),
     ),

@@ -8,6 +8,9 @@ first with its arguments, by default with no parent. Expanded, that is the URDF 
 
 Of a cell, ``<stem>_macro.xacro`` holds one macro for every kind of arm, and ``<stem>.urdf.xacro`` the root link and one
 call for every arm, with its prefix, its parent and its origin.
+
+What is attached to an arm or stands in a cell has a macro of its own in ``<stem>_parts.xacro``, with the numbers of its
+own file. The macro of its arm calls it, or the file to open.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from __future__ import annotations
 import glob
 import math
 import re
+from dataclasses import replace
 from itertools import groupby
 from keyword import iskeyword
 from typing import TYPE_CHECKING
@@ -22,9 +26,10 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from dh2urdf.errors import EmitterError
+from dh2urdf.fields import replace_unchecked
 from dh2urdf.meshes import has_meshes
 from dh2urdf.quantities import format_number
-from dh2urdf.robot import Inertial
+from dh2urdf.robot import Arm, Inertial
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats import numbered_name
@@ -35,13 +40,15 @@ from dh2urdf_plugins.formats.urdf.writer import (
     append_inertial,
     append_mujoco_options,
     append_robot,
+    materials_of,
     serialise,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
-    from dh2urdf.robot import Arm, Parameter, Robot
+    from dh2urdf.manipulator import Limits
+    from dh2urdf.robot import Attachment, Parameter, Robot
     from dh2urdf_plugins.formats.urdf import UrdfVersion
     from dh2urdf_plugins.formats.xacro import XacroOptions
 
@@ -74,7 +81,11 @@ class XacroNotation(Notation):
 
     def text(self, text: str) -> str:
         """A text in which xacro finds nothing to evaluate: it reads ``${'$'}`` as a dollar sign, and no doubled one."""
-        return super().text(text).replace("$", "${'$'}")
+        return self.verbatim(super().text(text))
+
+    def verbatim(self, text: str) -> str:
+        """A text of another program, which xacro evaluates as little."""
+        return text.replace("$", "${'$'}")
 
     def name(self, name: str) -> str:
         """A name with the macro's prefix."""
@@ -133,31 +144,39 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
     """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open."""
     notation, profile = XacroNotation(version=options.version), PROFILES[options.profile]
     single_file = options.single_file
-    robot = adapted(robot, profile)
+    robot = adapted(with_laden_kinds(robot), profile)
     macros = macros_of(robot, stem)
+    parts = PartMacros(robot, profile, options.version, macros)
     top = notation.robot(notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         append_arguments(top, PLACEMENT)
-    append_mujoco_options(top, robot, own=profile.mujoco_element)
-    library = top if single_file else etree.Element("robot", nsmap={"xacro": NAMESPACE})
+    append_mujoco_options(top, robot, notation, own=profile.mujoco_element)
+    place, library = len(top), etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not single_file:
         # xacro takes a file name for a pattern.
         append_element(top, "include", filename=notation.text(glob.escape(f"{stem}_macro.xacro")))
+        if robot.attachments:
+            append_element(library, "include", filename=notation.text(glob.escape(f"{stem}_parts.xacro")))
     for name, kind in macros.items():
-        _append_macro(library, kind, name, profile, options.version)
+        _append_macro(library, kind, name, profile, parts)
         if f"{name}_at" not in macros:
             append_placed_macro(library, name)
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
-        for arm in robot.arms:
-            name = next(name for name, kind in macros.items() if kind is arm.kind)
-            append_call_of_arm(top, name, arm, notation)
     else:
         append_call(top, *macros)
-    main = EmittedFile(name=f"{stem}.urdf.xacro", content=serialise(top, robot.comment))
-    if single_file:
-        return (main,)
-    return main, EmittedFile(name=f"{stem}_macro.xacro", content=serialise(library, robot.comment))
+    for each in standing(robot):
+        if isinstance(each, Arm):
+            name = next(name for name, kind in macros.items() if kind is each.kind)
+            append_call_of_arm(top, name, each, notation)
+        else:
+            parts.append_call(top, robot, each, notation.text)
+    trees = {"_macro.xacro": library} | ({"_parts.xacro": parts.library()} if robot.attachments else {})
+    if single_file:  # A macro comes before its calls.
+        top[place:place] = [each for tree in reversed(trees.values()) for each in tree]
+    trees = {".urdf.xacro": top} | ({} if single_file else trees)
+    contents = {f"{stem}{ending}": serialise(tree, robot.comment) for ending, tree in trees.items()}
+    return tuple([EmittedFile(name=name, content=content) for name, content in contents.items()])
 
 
 def macros_of(robot: Robot, stem: str) -> dict[str, Robot]:
@@ -169,6 +188,31 @@ def macros_of(robot: Robot, stem: str) -> dict[str, Robot]:
         if not any(kind is arm.kind for kind in macros.values()):
             macros[numbered_name(macro_name(arm.kind.name, arm.kind.name), macros)] = arm.kind
     return macros
+
+
+def with_laden_kinds(robot: Robot) -> Robot:
+    """A cell in which an arm that bears more than others of its kind is a kind of its own, with the efforts for it."""
+    if not robot.attachments:
+        return robot
+    limits = {joint.name: joint.limits for joint in robot.joints}
+    kinds: dict[tuple[int, tuple[Limits, ...]], Robot] = {}
+    arms = []
+    for arm in robot.arms:
+        own = tuple([limits[arm.prefix + joint.name] for joint in arm.kind.joints])
+        joints = [replace(joint, limits=each) for joint, each in zip(arm.kind.joints, own, strict=True)]
+        laden = arm.kind if tuple(joints) == arm.kind.joints else replace(arm.kind, joints=tuple(joints))
+        arms.append(replace(arm, kind=kinds.setdefault((id(arm.kind), own), laden)))
+    return replace(robot, arms=tuple(arms))
+
+
+def standing(robot: Robot) -> list[Arm | Attachment]:
+    """What the file to open calls of a cell: its arms, and the attachments that no arm brings, as its links come."""
+    roots: dict[str, Arm | Attachment] = {each.prefix + each.robot.root: each for each in robot.attachments}
+    for arm in robot.arms:
+        roots |= {arm.prefix + arm.kind.root: arm}
+        for each in arm.kind.attachments:
+            roots.pop(arm.prefix + each.prefix + each.robot.root, None)
+    return [roots[link.name] for link in robot.links if link.name in roots] if robot.arms else []
 
 
 def append_element(parent: etree._Element, tag: str, /, **attributes: str) -> etree._Element:
@@ -230,8 +274,8 @@ def append_macro(library: etree._Element, name: str, parameters: str = "") -> et
     return append_element(library, "macro", name=name, params=f"{MACRO_PARAMETERS} {parameters}".strip())
 
 
-def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Profile, version: UrdfVersion) -> None:
-    notation = XacroNotation(robot.parameters, version)
+def _append_macro(parent: etree._Element, whole: Robot, name: str, profile: Profile, parts: PartMacros) -> None:
+    notation, robot = XacroNotation(whole.parameters, parts.version), without_attachments(whole)
     macro = append_macro(parent, name)
     has_meshes_too = ", meshes" if has_meshes(robot) else ""
     if robot.parameters:
@@ -257,6 +301,8 @@ def _append_macro(parent: etree._Element, robot: Robot, name: str, profile: Prof
         mounted = etree.Element(f"{{{NAMESPACE}}}unless", {"value": "${parent == ''}"})
         append_inertial(mounted, robot.root, Inertial(mass=0.0), notation)
         next(macro.iterchildren("link")).insert(0, mounted)
+    for attachment in whole.attachments:
+        parts.append_call(macro, whole, attachment, notation.name)
 
 
 def property_name(parameter: Parameter) -> str:
@@ -275,3 +321,104 @@ def append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation
     append_element(joint, "insert_block", name="origin")
     etree.SubElement(joint, "parent", {"link": "${parent}"})
     etree.SubElement(joint, "child", {"link": notation.name(robot.root)})
+
+
+# --- What is attached -------------------------------------------------------------------------------------------------
+
+
+def without_attachments(robot: Robot) -> Robot:
+    """A robot without what is attached to it."""
+    foreign = robot.foreign_names
+    links = tuple([link for link in robot.links if link.name not in foreign])
+    names = {link.name for link in links}
+    joints = tuple([joint for joint in robot.joints if joint.child in names])
+    return replace_unchecked(robot, links=links, joints=joints, attachments=())
+
+
+def part_of(robot: Robot, attachment: Attachment) -> Robot:
+    """An attachment alone, with the names that it has in a robot; the joint that holds it is not its own."""
+    names = {attachment.prefix + name for name in attachment.names}
+    links = tuple([link for link in robot.links if link.name in names])
+    joints = tuple([joint for joint in robot.joints if joint.name in names])
+    return replace_unchecked(robot, links=links, joints=joints, attachments=(attachment,))
+
+
+class _PartNotation(XacroNotation):
+    """The prefix of a macro takes the place of an attachment's; numbers are those of its own file."""
+
+    def __init__(self, prefix: str, version: UrdfVersion) -> None:
+        super().__init__(version=version)
+        self._prefix = prefix
+
+    def name(self, name: str) -> str:
+        return super().name(name.removeprefix(self._prefix))
+
+    def angles(self, angles: Sequence[float], _formulas: Sequence[str] | None = None) -> str:
+        return self.numbers(angles)
+
+
+class PartMacros:
+    """The macros of what is attached to a robot or to the arms of a cell; equal ones are one."""
+
+    def __init__(self, robot: Robot, profile: Profile, version: UrdfVersion, taken: Collection[str]) -> None:
+        """Takes the names of other macros, and refuses what no xacro can hold."""
+        self.version = version
+        self._profile, self._taken = profile, [*taken, *(f"{name}_at" for name in taken)]
+        self._macros: dict[str, tuple[bytes, etree._Element]] = {}
+        materials_of(robot)
+        for attachment in robot.attachments:
+            for element in (
+                each for text in attachment.elements for each in etree.fromstring(text).iter(etree.Element)
+            ):
+                if element.prefix == "xacro" or etree.QName(element).namespace == NAMESPACE:
+                    tag = etree.QName(element).localname
+                    raise EmitterError(say("attached-with-macros", robot=robot.name, name=attachment.name, tag=tag))
+
+    def append_call(
+        self, parent: etree._Element, robot: Robot, attachment: Attachment, name: Callable[[str], str]
+    ) -> None:
+        """Appends the call of an attachment of a robot, whose names are written as `name` has it."""
+        root = attachment.prefix + attachment.robot.root
+        held = next(joint for joint in robot.joints if joint.child == root)
+        words = {"prefix": attachment.prefix, "parent": held.parent, "joint": held.name}
+        quoted = {word: f"'{name(text)}'" for word, text in words.items()}  # Of `01`, xacro would make 1.
+        call = append_element(parent, self._macro(robot, attachment), **quoted)
+        notation = XacroNotation()
+        place = {"xyz": notation.numbers(held.origin.xyz), "rpy": notation.numbers(held.origin.rpy)}
+        etree.SubElement(call, "origin", place)
+
+    def library(self) -> etree._Element:
+        """A file of the macros, each below a comment with a call."""
+        library = etree.Element("robot", nsmap={"xacro": NAMESPACE})
+        for name, (_, macro) in self._macros.items():
+            call = f'<xacro:{name} prefix="left_" parent="left_tool0"><origin xyz="0 0 0" rpy="0 0 0"/></xacro:{name}>'
+            append_comment(
+                library, f"Call it as {call}; the joint that holds it is left_joint, or has the name `joint`."
+            )
+            library.append(macro)
+        return library
+
+    def _macro(self, robot: Robot, attachment: Attachment) -> str:
+        """The name of the macro of an attachment."""
+        notation, part = _PartNotation(attachment.prefix, self.version), part_of(robot, attachment)
+        macro = etree.Element(f"{{{NAMESPACE}}}macro", {"name": "", "params": "prefix:='' parent joint:='' *origin"})
+        joint = etree.SubElement(macro, "joint", {"name": "${joint or prefix + 'joint'}", "type": "fixed"})
+        append_element(joint, "insert_block", name="origin")
+        etree.SubElement(joint, "parent", {"link": "${parent}"})
+        etree.SubElement(joint, "child", {"link": notation.name(part.root)})
+        # A material that other links of the robot have, too, is defined by them: a second definition is an error.
+        own = {link.name for link in part.links}
+        others = replace_unchecked(robot, links=tuple([link for link in robot.links if link.name not in own]))
+        is_shared = materials_of(part).keys().isdisjoint(materials_of(others))
+        append_robot(macro, part, notation, shared_materials=self._profile.shared_materials and is_shared)
+        if self._profile.transmissions:
+            append_transmissions(macro, part, notation)
+        content = etree.tostring(macro)
+        wanted = macro_name(f"part_{attachment.name}", f"part_{attachment.name}")
+        for name, (known, _) in self._macros.items():
+            if known == content:
+                return name
+        name = numbered_name(wanted, {*self._taken, *self._macros})
+        macro.set("name", name)
+        self._macros[name] = content, macro
+        return name

@@ -65,7 +65,7 @@ class CollisionPairs:
 def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
     """The collision pairs of a robot that was made of tables."""
     try:
-        return collision_pairs(Mechanism(robot=robot), _content, options)
+        return collision_pairs(Mechanism(robot=robot, followers=robot.followers), _content, options)
     except InputError as error:
         raise EmitterError(error.problems) from error
 

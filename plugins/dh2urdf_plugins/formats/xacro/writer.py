@@ -9,7 +9,7 @@ first with its arguments, by default with no parent. Expanded, that is the URDF 
 Of a cell, ``<stem>_macro.xacro`` holds one macro for every kind of arm, and ``<stem>.urdf.xacro`` the root link and one
 call for every arm, with its prefix, its parent and its origin.
 
-What is attached to an arm or stands in a cell has a macro of its own in ``<stem>_parts.xacro``, with the numbers of its
+What is attached to an arm or to a cell has a macro of its own in ``<stem>_parts.xacro``, with the numbers of its
 own file. The macro of its arm calls it, or the file to open.
 """
 
@@ -382,7 +382,7 @@ class PartMacros:
         held = next(joint for joint in robot.joints if joint.child == root)
         words = {"prefix": attachment.prefix, "parent": held.parent, "joint": held.name}
         quoted = {word: f"'{name(text)}'" for word, text in words.items()}  # Of `01`, xacro would make 1.
-        call = append_element(parent, self._macro(robot, attachment), **quoted)
+        call = append_element(parent, self.macro_of(robot, attachment), **quoted)
         notation = XacroNotation()
         place = {"xyz": notation.numbers(held.origin.xyz), "rpy": notation.numbers(held.origin.rpy)}
         etree.SubElement(call, "origin", place)
@@ -398,7 +398,7 @@ class PartMacros:
             library.append(macro)
         return library
 
-    def _macro(self, robot: Robot, attachment: Attachment) -> str:
+    def macro_of(self, robot: Robot, attachment: Attachment) -> str:
         """The name of the macro of an attachment."""
         notation, part = _PartNotation(attachment.prefix, self.version), part_of(robot, attachment)
         macro = etree.Element(f"{{{NAMESPACE}}}macro", {"name": "", "params": "prefix:='' parent joint:='' *origin"})

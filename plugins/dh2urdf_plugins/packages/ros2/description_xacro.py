@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from lxml import etree
 
+from dh2urdf.robot import Arm
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_robot, serialise
 from dh2urdf_plugins.formats.xacro import writer as xacro
 from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
-from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, follows_whole_table, parameter_key
+from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, Driven, driven, follows_whole_table, parameter_key
 from dh2urdf_plugins.packages.srdf.semantics import arms_of
 from dh2urdf_plugins.packages.templates import filled
 
@@ -31,8 +32,13 @@ class Kind(NamedTuple):
     """A kind of arm in a package."""
 
     macro: str  # the name of its macro
-    robot: Robot  # the robot that it is alone
+    robot: Robot  # the robot that it is alone, with its attachments
     folder: str  # the folder of its YAML files in the package
+
+    @property
+    def bare(self) -> Robot:
+        """The robot that its table means."""
+        return xacro.without_attachments(self.robot)
 
     @property
     def files(self) -> dict[str, str]:
@@ -65,11 +71,18 @@ class _PackageNotation(xacro.XacroNotation):
         return {"com": com, "mass": f"${{{of_link}['mass']}}", **inertia}
 
 
-def macro_file(kind: Kind, package: str) -> bytes:
+def parts_file(package: str) -> str:
+    """Where a package has the macros of what is attached."""
+    return f"urdf/{package.removesuffix('_description')}_parts.xacro"
+
+
+def macro_file(kind: Kind, package: str, parts: xacro.PartMacros) -> bytes:
     """The macro of a kind of arm, and a second one for a call without an origin block."""
-    robot, name = kind.robot, kind.macro
+    robot, name = kind.bare, kind.macro
     notation = _PackageNotation(robot)
     library = etree.Element("robot", nsmap={"xacro": xacro.NAMESPACE})
+    if kind.robot.attachments:
+        xacro.append_element(library, "include", filename=f"$(find {package})/{parts_file(package)}")
     files = {each: kind.default(package, file) for each, file in kind.files.items()}
     macro = xacro.append_macro(library, name, " ".join(f"{each}:='{default}'" for each, default in files.items()))
     if follows_whole_table(robot):
@@ -82,40 +95,59 @@ def macro_file(kind: Kind, package: str) -> bytes:
     xacro.append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
     xacro.append_mounting(macro, robot, notation)
     append_robot(macro, robot, notation)
+    for attachment in kind.robot.attachments:
+        parts.append_call(macro, kind.robot, attachment, notation.name)
     xacro.append_placed_macro(library, name, files)
     return serialise(library, robot.comment)
 
 
 def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
-    """The macro of the ros2_control element of a kind of arm."""
-    states = ("velocity", *(("effort",) if "effort" in options.command_interfaces else ()))
-    words = {
-        "COMMANDS": "\n".join(f'<command_interface name="{each}"/>' for each in options.command_interfaces),
-        "STATES": "\n".join(f'<state_interface name="{each}"/>' for each in states),
-    }
-    template = "ros2/templates/ros2_control{}.xacro".format
-    joints = [filled(template("_joint"), JOINT=joint.name, **words) for joint in kind.robot.moving_joints]
+    """The macro of the ros2_control element of a kind of arm, or of an attachment.
+
+    A joint that follows another one has states and no commands: since ROS 2 Jazzy the hardware moves it as its
+    ``<mimic>`` says (ros2_control, migration from Iron to Jazzy).
+    """
+    states = "\n".join(
+        f'<state_interface name="{each}"/>'
+        for each in ("velocity", *(("effort",) if "effort" in options.command_interfaces else ()))
+    )
+    commands = "\n".join(f'<command_interface name="{each}"/>' for each in options.command_interfaces)
+    template, followers, joints = "ros2/templates/ros2_control{}.xacro".format, kind.bare.followers, []
+    for joint in kind.bare.moving_joints:
+        if joint.name in followers:
+            joints.append(filled(template("_follower"), JOINT=joint.name, STATES=states))
+        else:
+            joints.append(filled(template("_joint"), JOINT=joint.name, COMMANDS=commands, STATES=states))
     plugin, file = PLUGINS[options.hardware], kind.default(package, "initial_positions.yaml")
     words = {"MACRO": kind.macro, "PLUGIN": plugin, "FILE": file, "JOINTS": "".join(joints).removesuffix("\n")}
     return filled(template(""), **words).encode()
 
 
-def positions_argument(prefix: str) -> str:
-    """The argument that names the file of an arm's initial positions."""
-    return f"{prefix}initial_positions_file"
+def driven_kinds(
+    robot: Robot, kinds: Sequence[Kind], parts: xacro.PartMacros, options: Ros2Options
+) -> list[tuple[Driven, Kind]]:
+    """What has a ros2_control that the packages write, each with the kind that it is; none without hardware."""
+    found: list[tuple[Driven, Kind]] = []
+    arms = {prefix: next(kind for kind in kinds if kind.robot is alone) for prefix, alone in arms_of(robot)}
+    for each in driven(robot, options.group) if options.controlled else ():
+        if each.attachment is None:
+            found.append((each, arms[each.prefix]))
+        elif not each.has_system:
+            macro = parts.macro_of(robot, each.attachment)
+            found.append((each, Kind(macro=macro, robot=each.robot, folder=f"config/{macro}")))
+    return found
 
 
-def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Options) -> bytes:
+def top_file(robot: Robot, kinds: Sequence[Kind], parts: xacro.PartMacros, package: str, options: Ros2Options) -> bytes:
     """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
     notation = xacro.XacroNotation()
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": xacro.NAMESPACE})
-    controlled = options.controlled
+    controlled, systems = options.controlled, driven_kinds(robot, kinds, parts, options)
     files = {} if robot.arms else kinds[0].files
     placement = {} if robot.arms else xacro.PLACEMENT
     defaults = {name: kinds[0].default(package, file) for name, file in files.items()}
-    for prefix, alone in arms_of(robot) if controlled else ():
-        kind = next(each for each in kinds if each.robot is alone)
-        defaults[positions_argument(prefix)] = kind.default(package, "initial_positions.yaml")
+    for each, kind in systems:
+        defaults[f"{each.positions}_file"] = kind.default(package, "initial_positions.yaml")
     xacro.append_arguments(top, {**placement, **defaults, **({"hardware": options.hardware} if controlled else {})})
     if controlled:
         # Appends the plugin that the argument `hardware` stands for; xacro refuses any other word than the option's.
@@ -125,30 +157,30 @@ def top_file(robot: Robot, kinds: Sequence[Kind], package: str, options: Ros2Opt
         xacro.append_element(top, "property", name="hardware", value="$(arg hardware)")
         value = f"${{hardware_plugins[hardware] if hardware in hardware_plugins else {refusal}}}"
         xacro.append_element(top, "property", name="hardware_plugin", value=value)
-    for kind in kinds:
-        for ending in ("_macro.xacro", *([".ros2_control.xacro"] if controlled else [])):
-            xacro.append_element(top, "include", filename=f"$(find {package})/urdf/{kind.macro}{ending}")
+    included = [f"urdf/{kind.macro}_macro.xacro" for kind in kinds] + [parts_file(package)] * bool(robot.attachments)
+    included += dict.fromkeys(f"urdf/{kind.macro}.ros2_control.xacro" for _, kind in systems)
+    for file in included:
+        xacro.append_element(top, "include", filename=f"$(find {package})/{file}")
     if robot.arms:
         etree.SubElement(top, "link", {"name": notation.text(robot.root)})
     else:
         xacro.append_call(top, kinds[0].macro, files)
-        _append_control(top, kinds[0].macro, "'$(arg prefix)'", "", controlled=controlled)
-    for arm in robot.arms:
-        macro = next(each.macro for each in kinds if each.robot is arm.kind)
-        xacro.append_call_of_arm(top, macro, arm, notation)
-        _append_control(top, macro, xacro.as_text(notation.text(arm.prefix)), arm.prefix, controlled=controlled)
+    for standing in xacro.standing(robot):
+        if isinstance(standing, Arm):
+            macro = next(each.macro for each in kinds if each.robot is standing.kind)
+            xacro.append_call_of_arm(top, macro, standing, notation)
+        else:
+            parts.append_call(top, robot, standing, notation.text)
+    for each, kind in systems:  # It is there unless the hardware is `none`.
+        own = notation.text(each.prefix)
+        prefix = xacro.as_text(own) if robot.arms else f"'$(arg prefix){own}'"
+        words = {"prefix": prefix, "plugin": "${hardware_plugin}"}
+        chosen = xacro.append_element(top, "if", value="${hardware_plugin != ''}")
+        file = f"$(arg {each.positions}_file)"
+        xacro.append_element(chosen, f"{kind.macro}_ros2_control", **words, initial_positions_file=file)
     if controlled:  # The plugin of Gazebo, which is there when its hardware is chosen.
         chosen = xacro.append_element(top, "if", value="${hardware == 'gazebo'}")
         file, name = _GAZEBO
         plugin = etree.SubElement(etree.SubElement(chosen, "gazebo"), "plugin", {"filename": file, "name": name})
         etree.SubElement(plugin, "parameters").text = f"$(find {package})/config/ros2_controllers.yaml"
     return serialise(top, robot.comment)
-
-
-def _append_control(top: etree._Element, macro: str, prefix: str, own: str, *, controlled: bool) -> None:
-    """Appends the ros2_control of an arm, which is there unless the hardware is `none`."""
-    if controlled:
-        positions = f"$(arg {positions_argument(own)})"
-        words = {"prefix": prefix, "plugin": "${hardware_plugin}", "initial_positions_file": positions}
-        chosen = xacro.append_element(top, "if", value="${hardware_plugin != ''}")
-        xacro.append_element(chosen, f"{macro}_ros2_control", **words)

@@ -11,6 +11,7 @@ from xml.sax.saxutils import escape
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.manipulator import TOOL, JointType
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import norm, total
 from dh2urdf.source import Messages, markdown_text
 from dh2urdf_plugins.home_pose import initial_position
@@ -79,6 +80,11 @@ def check_names(robot: Robot, *, prefixes: bool) -> None:
             near = _near(arm.prefix, "[^A-Za-z0-9_]+")
             proposed = f"arm_{near}" if near[:1].isdigit() else near
             problems.append(say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed))
+    for each in robot.attachments if prefixes else ():
+        if not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", each.name):
+            near = _near(each.name, "[^A-Za-z0-9_]+")
+            proposed = f"part_{near}" if near[:1].isdigit() else near
+            problems.append(say("ros-part-wrong", found=each.name, proposed=proposed))
     if problems:
         raise EmitterError(problems)
 
@@ -131,6 +137,7 @@ def changelog_and_license(package: str, options: Ros2Options) -> dict[str, bytes
 def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options: Ros2Options) -> bytes:
     """``README.md``: how to build the package, and which of its files a person replaces."""
     control = "| `urdf/*.ros2_control.xacro` | its joints for ros2_control |"
+    parts = "| `urdf/*_parts.xacro` | the macros of what is attached, with the numbers of its own files |"
     use = b"" if robot.arms else filled("use.md", PACKAGE=package, MACRO=kinds[0].macro)
     calibrations = [
         filled("calibration_of_table.md", MACRO=kind.macro, FOLDER=kind.folder)
@@ -144,6 +151,7 @@ def readme(package: str, name: str, robot: Robot, kinds: Sequence[Kind], options
         NAME=name,
         ROBOT=markdown_text(robot.name),
         CONTROL=control if options.controlled else "",
+        PARTS=parts if robot.attachments else "",
         USE=use.decode().removesuffix("\n"),
         CALIBRATION=b"\n".join(calibrations).decode(),
     )
@@ -175,18 +183,23 @@ def view(template: str, robot: Robot) -> bytes:
 
 
 def test_file(package: str, name: str, robot: Robot) -> bytes:
-    """``test_description.py``: T(root → tool) at some joint vectors, as numbers."""
+    """``test_description.py``: T(root → tool) at some joint vectors, as numbers.
+
+    Of an attachment, its tip or last link is a tool.
+    """
     tools = [arm.prefix + TOOL for arm in robot.arms] or [TOOL]
     tools = [tool for tool in tools if any(link.name == tool for link in robot.links)] or [robot.links[-1].name]
+    tools += [each.prefix + (each.tip or each.robot.links[-1].name) for each in robot.attachments]
     poses = []
     for part in (0.0, *_PARTS):  # first where the joints start
-        values = {joint.name: initial_position(joint) for joint in robot.moving_joints}
-        for place, joint in enumerate(robot.moving_joints if part else ()):
+        values = {joint.name: initial_position(joint) for joint in robot.actuated_joints}
+        for place, joint in enumerate(robot.actuated_joints if part else ()):
             lower, upper = joint.limits.lower, joint.limits.upper
             if joint.type is JointType.CONTINUOUS or lower is None or upper is None:
                 lower, upper = -_UNLIMITED, _UNLIMITED
             share = part if place % 2 else 1.0 - part
             values[joint.name] = round(lower + share * (upper - lower), 6)
+        values = with_followers(values, robot.followers)
         frames = link_poses(robot, values)
         rows = {}
         for tool in tools:

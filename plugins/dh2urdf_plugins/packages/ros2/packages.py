@@ -23,7 +23,7 @@ from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf import UrdfOptions
 from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, notices_of
 from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
-from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, XacroNotation, append_element
+from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, PartMacros, XacroNotation, append_element, with_laden_kinds
 from dh2urdf_plugins.packages.ros2 import description_xacro as xacros, package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.srdf import srdf
 from dh2urdf_plugins.packages.srdf.semantics import arms_of, chains, groups
@@ -51,7 +51,7 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
     files.check_names(robot, prefixes=options.controlled or options.moveit)
     package = f"{name}_description"
     copies: dict[str, bytes] = {}
-    robot = _with_meshes(adapted(_with_base(robot), PROFILES["ros"]), package, copies)
+    robot = _with_meshes(adapted(_with_base(with_laden_kinds(robot)), PROFILES["ros"]), package, copies)
     contents = dict(_description(robot, _kinds(robot, name), name, package, options))
     contents.update(sorted(copies.items()))
     folders = {PurePosixPath(path).parts[0] for path in contents if "/" in path} - {"test"}
@@ -88,18 +88,21 @@ def _description(
 ) -> Iterator[tuple[str, bytes]]:
     """The files of the description package by their places in it, the one to open first."""
     controlled = options.controlled
-    yield f"urdf/{name}.urdf.xacro", xacros.top_file(robot, kinds, package, options)
+    parts = PartMacros(robot, PROFILES["ros"], "1.0", [kind.macro for kind in kinds])
+    yield f"urdf/{name}.urdf.xacro", xacros.top_file(robot, kinds, parts, package, options)
     for kind in kinds:
-        yield f"urdf/{kind.macro}_macro.xacro", xacros.macro_file(kind, package)
+        yield f"urdf/{kind.macro}_macro.xacro", xacros.macro_file(kind, package, parts)
         if yamls.follows_whole_table(kind.robot):
             yield f"{kind.folder}/dh.yaml", yamls.dh_file(kind.robot)
-        yield f"{kind.folder}/joint_limits.yaml", yamls.joint_limits(kind.robot)
-        yield f"{kind.folder}/physical_parameters.yaml", yamls.physical_parameters(kind.robot)
-        if controlled:
-            yield f"urdf/{kind.macro}.ros2_control.xacro", xacros.control_file(kind, package, options)
-            yield f"{kind.folder}/initial_positions.yaml", yamls.initial_positions(kind.robot)
+        yield f"{kind.folder}/joint_limits.yaml", yamls.joint_limits(kind.bare)
+        yield f"{kind.folder}/physical_parameters.yaml", yamls.physical_parameters(kind.bare)
+    if robot.attachments:
+        yield xacros.parts_file(package), serialise(parts.library(), robot.comment)
+    for kind in {kind.macro: kind for _, kind in xacros.driven_kinds(robot, kinds, parts, options)}.values():
+        yield f"urdf/{kind.macro}.ros2_control.xacro", xacros.control_file(kind, package, options)
+        yield f"{kind.folder}/initial_positions.yaml", yamls.initial_positions(kind.bare)
     if controlled:
-        yield "config/ros2_controllers.yaml", yamls.controllers(yamls.arm_joints(robot))
+        yield "config/ros2_controllers.yaml", yamls.controllers(yamls.driven(robot, options.group))
     yield "launch/view_robot.launch.py", files.launch_file(package, name, robot)
     yield "rviz/view_robot.rviz", files.view("view_robot.rviz", robot)
     yield "test/test_description.py", files.test_file(package, name, robot)
@@ -115,18 +118,18 @@ def _description(
 
 def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iterator[tuple[str, bytes]]:
     """The files of the MoveIt package by their places in it."""
-    if not robot.moving_joints:
+    if not robot.actuated_joints:
         raise EmitterError(say("moveit-without-joints", field="moveit"))
-    arms, description, controlled = yamls.arm_joints(robot), f"{name}_description", options.controlled
+    driven, description, controlled = yamls.driven(robot, options.group), f"{name}_description", options.controlled
     yield f"config/{name}.srdf", srdf(robot, options, options.group)
     yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
     yield "config/kinematics.yaml", yamls.kinematics([*groups(robot, options.group), *chains(robot, options.group)])
-    yield "config/joint_limits.yaml", yamls.planning_limits(robot.moving_joints, options.acceleration)
-    yield "config/moveit_controllers.yaml", yamls.moveit_controllers(arms)
+    yield "config/joint_limits.yaml", yamls.planning_limits(robot.actuated_joints, options.acceleration)
+    yield "config/moveit_controllers.yaml", yamls.moveit_controllers(driven)
     if controlled:
-        yield "config/ros2_controllers.yaml", yamls.controllers(arms)
-        for prefix, arm in arms_of(robot):
-            yield f"config/{prefix}initial_positions.yaml", yamls.initial_positions(arm)
+        yield "config/ros2_controllers.yaml", yamls.controllers(driven)
+        for each in (each for each in driven if not each.has_system):
+            yield f"config/{each.positions}.yaml", yamls.initial_positions(each.robot)
     yield "config/pilz_cartesian_limits.yaml", files.filled("pilz_cartesian_limits.yaml")
     yield "config/moveit.rviz", files.view("moveit.rviz", robot)
     # The launch files are named by the functions of `moveit_configs_utils.launches` that they call.
@@ -154,9 +157,9 @@ def _shown_description(robot: Robot, name: str, package: str, options: Ros2Optio
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
         append_element(top, "arg", name="hardware", default="mock")
-        for prefix, _ in arms_of(robot):
-            place = f"$(find {package})/config/{prefix}initial_positions.yaml"
-            append_element(top, "arg", name=xacros.positions_argument(prefix), default=place)
+        for each in (each for each in yamls.driven(robot, options.group) if not each.has_system):
+            place = f"$(find {package})/config/{each.positions}.yaml"
+            append_element(top, "arg", name=f"{each.positions}_file", default=place)
     append_element(top, "include", filename=f"$(find {name}_description)/urdf/{name}.urdf.xacro")
     return serialise(top)
 
@@ -210,12 +213,14 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
+    systems = [each for each in yamls.driven(robot, options.group) if options.controlled and each.has_system]
+    found += [say("part-drives-itself", name=each.attachment.name) for each in systems if each.attachment]
     if not options.moveit:
         return found
-    without = [joint.name for joint in robot.moving_joints if joint.limits.acceleration is None]
+    without = [joint.name for joint in robot.actuated_joints if joint.limits.acceleration is None]
     if options.acceleration is None and without:
         found.append(say("no-accelerations", joints=listed(without), seconds=yamls.SPEED_UP))
-    for name in (joint.name for joint in robot.moving_joints if yamls.is_no_text_to_launch(joint.name)):
+    for name in (joint.name for joint in robot.actuated_joints if yamls.is_no_text_to_launch(joint.name)):
         found.append(say("joint-name-no-text", name=name, other=f"joint_{name}"))
     for group in groups(robot, options.group):
         if (count := len(group.joints)) < yamls.SPACE:

@@ -10,19 +10,22 @@ import re
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lxml import etree
 
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
+from dh2urdf_plugins.formats.xacro.writer import without_attachments
 from dh2urdf_plugins.home_pose import initial_position
 from dh2urdf_plugins.packages.ros2 import NO_EMAIL, NO_MAINTAINER
-from dh2urdf_plugins.packages.srdf.semantics import arms_of
+from dh2urdf_plugins.packages.srdf.semantics import arms_of, moving_attachments
 from dh2urdf_plugins.packages.templates import filled
 from dh2urdf_plugins.ros_conventions import CONTROLLER_MANAGER
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from dh2urdf.robot import Joint, Parameter, Robot
+    from dh2urdf.robot import Attachment, Joint, Parameter, Robot
     from dh2urdf_plugins.packages.ros2 import Ros2Options
     from dh2urdf_plugins.packages.srdf.semantics import Group
 
@@ -34,8 +37,45 @@ SPACE = 6  # the freedoms of a pose: a group with fewer joints reaches positions
 SPEED_UP = 0.5  # how long a joint takes to its full velocity where no acceleration is given [s]
 _ACCELERATION = 1.0  # the acceleration of a joint without a velocity [rad/s² or m/s²]
 
-ArmJoints: TypeAlias = tuple[str, "Sequence[Joint]"]
-"""The prefix of an arm, and its moving joints, whose names are without the prefix."""
+
+class Driven(NamedTuple):
+    """Joints with a controller and initial positions of their own: those of an arm or of an attachment."""
+
+    label: str  # what the names of their controller, file and argument begin with
+    prefix: str  # what the names of its links and joints begin with
+    robot: Robot  # the arm or the attachment alone, without the prefix
+    attachment: Attachment | None = None
+
+    @property
+    def joints(self) -> list[str]:
+        """The names of its actuated joints in the whole robot."""
+        return [self.prefix + joint.name for joint in self.robot.actuated_joints]
+
+    @property
+    def controller(self) -> str:
+        """The name of its trajectory controller."""
+        return f"{self.label}joint_trajectory_controller"
+
+    @property
+    def positions(self) -> str:
+        """What its file of initial positions is called; the argument that names another one has ``_file`` behind it."""
+        return f"{self.label}initial_positions"
+
+    @property
+    def has_system(self) -> bool:
+        """Whether the file of the attachment has the ros2_control of its joints: no two may drive one joint."""
+        elements = self.attachment.elements if self.attachment else ()
+        return any(etree.fromstring(text).tag == "ros2_control" for text in elements)
+
+
+def driven(robot: Robot, group: str) -> list[Driven]:
+    """The arms and attachments of a robot that move; `group` is what groups of arms are called."""
+    arms = [Driven(prefix, prefix, without_attachments(kind)) for prefix, kind in arms_of(robot)]
+    parts = moving_attachments(robot, group).items()
+    return [
+        *[each for each in arms if each.joints],
+        *[Driven(f"{name}_", each.prefix, each.robot, each) for name, each in parts],
+    ]
 
 
 def _filled(template: str, content: Mapping[str, Any], **words: str) -> bytes:
@@ -158,29 +198,19 @@ def physical_parameters(robot: Robot) -> bytes:
 
 def initial_positions(robot: Robot) -> bytes:
     """``initial_positions.yaml``: where the joints start."""
-    positions = {joint.name: initial_position(joint) for joint in robot.moving_joints}
+    positions = {joint.name: initial_position(joint) for joint in robot.actuated_joints}
     return _filled("initial_positions.yaml", {"initial_positions": positions})
 
 
-def controller_name(prefix: str) -> str:
-    """The name of the trajectory controller of an arm."""
-    return f"{prefix}joint_trajectory_controller"
-
-
-def arm_joints(robot: Robot) -> list[ArmJoints]:
-    """The arms of a robot that move."""
-    return [(prefix, arm.moving_joints) for prefix, arm in arms_of(robot) if arm.moving_joints]
-
-
-def controllers(arms: Sequence[ArmJoints]) -> bytes:
-    """``ros2_controllers.yaml``: a trajectory controller for each arm, and the broadcaster of joint states."""
+def controllers(every: Sequence[Driven]) -> bytes:
+    """``ros2_controllers.yaml``: a trajectory controller for each of these, and the broadcaster of joint states."""
     fixed, name = _fixed_values(), "joint_state_broadcaster"
     manager: dict[str, Any] = {"update_rate": UPDATE_RATE, name: fixed[name]}
     content: dict[str, Any] = {"controller_manager": {"ros__parameters": manager}}
-    for prefix, joints in arms:
-        manager[controller_name(prefix)] = fixed["trajectory_controller"]
-        names = [f"{prefix}{joint.name}" for joint in joints]
-        content[controller_name(prefix)] = {"ros__parameters": {"joints": names, **fixed["trajectory_parameters"]}}
+    for each in every:
+        manager[each.controller] = fixed["trajectory_controller"]
+        parameters = {"joints": each.joints, **fixed["trajectory_parameters"]}
+        content[each.controller] = {"ros__parameters": parameters}
     return _filled("ros2_controllers.yaml", content)
 
 
@@ -212,12 +242,11 @@ def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> byte
     return _filled("planning_limits.yaml", {**_fixed_values()["scaling"], "joint_limits": limits})
 
 
-def moveit_controllers(arms: Sequence[ArmJoints]) -> bytes:
+def moveit_controllers(every: Sequence[Driven]) -> bytes:
     """``moveit_controllers.yaml``: the trajectory controllers of ros2_control, as MoveIt calls them."""
-    manager: dict[str, Any] = {"controller_names": [controller_name(prefix) for prefix, _ in arms]}
-    for prefix, joints in arms:
-        names = [f"{prefix}{joint.name}" for joint in joints]
-        manager[controller_name(prefix)] = {**_fixed_values()["moveit_controller"], "joints": names}
+    manager: dict[str, Any] = {"controller_names": [each.controller for each in every]}
+    for each in every:
+        manager[each.controller] = {**_fixed_values()["moveit_controller"], "joints": each.joints}
     plugin = f"{CONTROLLER_MANAGER}/MoveItSimpleControllerManager"
     return _filled("moveit_controllers.yaml", {"moveit_controller_manager": plugin, CONTROLLER_MANAGER: manager})
 

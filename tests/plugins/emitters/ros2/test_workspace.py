@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     Cli = Callable[..., Any]
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
+HAND = Path(__file__).parents[2] / "edits" / "hand.urdf"
 SYSTEM_PYTHON = "/usr/bin/python3"
 """The interpreter that Debian's ament and colcon are installed for."""
 
@@ -55,10 +56,12 @@ def modules(tmp_path: Path) -> Path:
 @pytest.mark.long
 @needs_ament
 def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules: Path, cell: str) -> None:
-    """A UR5, a Panda in the modified convention, a SCARA and a cell: built, installed, found, and their tests pass."""
+    """A UR5, a Panda in the modified convention, a SCARA, an arm with a hand and a cell: built, installed, found, and their tests pass."""
     source = tmp_path / "src"
     for table, frames in (("panda.yaml", "dh"), ("scara.csv", "aligned")):
         cli("convert", TABLES / table, "--to", "ros2", "--frames", frames, "--set", "moveit=true", "-o", source)
+    hand = ["--frames", "dh", "--set", "moveit=true", "--edit", f"attach: {{file: {HAND}, name: hand, keep: none}}"]
+    cli("convert", TABLES / "stanford.csv", "--to", "ros2", *hand, "-o", source)
     run_file = tmp_path / "cell.yaml"
     run_file.write_text(cell)
     cli("run", run_file, "-o", source / "made")
@@ -68,7 +71,7 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
     shutil.rmtree(tmp_path / "example")
     names = [
         f"{name}_{kind}"
-        for name in ("panda", "scara", "ur5", "track", "workshop", "two_arms")
+        for name in ("panda", "scara", "stanford", "ur5", "track", "workshop", "two_arms")
         for kind in ("description", "moveit_config")
     ]
     system("colcon", "build", cwd=tmp_path, PYTHONPATH=str(modules))
@@ -89,6 +92,21 @@ def test_colcon_builds_and_tests_the_packages(cli: Cli, tmp_path: Path, modules:
         code = f"import xacro; print(xacro.process_file({str(top)!r}).documentElement.getAttribute('name'))"
         printed = system(SYSTEM_PYTHON, "-c", code, cwd=tmp_path, PYTHONPATH=str(modules), AMENT_PREFIX_PATH=found)
         assert printed.strip() == robot
+
+
+@needs_ament
+def test_the_tests_of_packages_with_hands_pass(cli: Cli, tmp_path: Path, modules: Path, cell: str) -> None:
+    """A cell whose arms hold a hand each: those of its tools and of its fingers, whose followers follow."""
+    attach = f"{{stage: attach, options: {{file: {HAND}, name: hand, keep: none}}}}"
+    (tmp_path / "run.yaml").write_text(f"{cell}\nedits: [{attach}]\n")
+    cli("run", tmp_path / "run.yaml", "-o", tmp_path / "share")
+    for kind in ("description", "moveit_config"):
+        index = tmp_path / "share" / "ament_index" / "resource_index" / "packages" / f"workshop_{kind}"
+        index.parent.mkdir(parents=True, exist_ok=True)
+        index.touch()
+        found = {"PYTHONPATH": str(modules), "AMENT_PREFIX_PATH": str(tmp_path)}
+        command = [SYSTEM_PYTHON, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test"]
+        assert " passed" in system(*command, cwd=tmp_path / "share" / f"workshop_{kind}", **found)
 
 
 @needs_ament

@@ -203,11 +203,8 @@ def test_a_cell_has_a_group_and_a_controller_for_each_arm(workshop: Path) -> Non
     assert joints == list(content(workshop, "joint_limits")["joint_limits"]) == moving(description)
     semantic = etree.parse(workshop / "config" / "workshop.srdf").getroot()
     groups = [group.get("name") for group in semantic.findall("group")]
-    assert (
-        groups
-        == [*content(workshop, "kinematics"), "all"]
-        == [f"{arm}manipulator" for arm in ("track_", "r_", "f_")] + ["all"]
-    )
+    of_arms = [f"{arm}manipulator" for arm in ("track_", "r_", "f_")]
+    assert groups == [*content(workshop, "kinematics"), "all"] == [*of_arms, "track_rider_manipulator", "all"]
     links = {link.get("name") for link in description.findall("link")}
     for pair in semantic.findall("disable_collisions"):
         assert {pair.get("link1"), pair.get("link2")} <= links

@@ -81,7 +81,7 @@ def check_names(robot: Robot, *, prefixes: bool) -> None:
             proposed = f"arm_{near}" if near[:1].isdigit() else near
             problems.append(say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed))
     for each in robot.attachments if prefixes else ():
-        if not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", each.name):
+        if each.robot.actuated_joints and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", each.name):
             near = _near(each.name, "[^A-Za-z0-9_]+")
             proposed = f"part_{near}" if near[:1].isdigit() else near
             problems.append(say("ros-part-wrong", found=each.name, proposed=proposed))

@@ -359,11 +359,11 @@ def following(followers: Mapping[str, Follower], joints: Iterable[str]) -> dict[
         followers: the joints that follow another one, by name.
         joints: the names of the moving joints.
     """
-    moving = set(joints)
+    moving = dict.fromkeys(joints)
     found: dict[str, Follower] = {}
-    for name in moving & followers.keys():
+    for name in (name for name in moving if name in followers):  # In the order of the joints, from every process.
         way = [name]
-        while (follower := followers.get(way[-1])) and follower.is_finite and follower.leader in moving - set(way):
+        while (follower := followers.get(way[-1])) and follower.is_finite and follower.leader in moving.keys() - way:
             way.append(follower.leader)
         if follower is None or follower.is_held:
             found[name] = followers[name]

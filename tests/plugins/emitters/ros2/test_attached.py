@@ -218,6 +218,14 @@ def test_a_hand_is_a_group_and_an_end_effector() -> None:
         assert len(states["manipulator"]) == 6
 
 
+def test_followers_are_in_the_order_of_the_joints() -> None:
+    """As from every process: a set of names has another order in each."""
+    pytest.importorskip("pinocchio")
+    robot = two_arms()
+    names = [each.get("name") for each in semantics(robot).findall("passive_joint")]
+    assert names == [each.name for each in robot.joints if each.follows] == list(robot.followers)
+
+
 def test_the_group_of_the_arm_ends_at_the_tip() -> None:
     pytest.importorskip("pinocchio")
     chain = semantics(arm(tip="tool0")).find("group/chain")

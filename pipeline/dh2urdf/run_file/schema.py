@@ -105,7 +105,9 @@ def section_schema(kind: type[Any]) -> JsonSchema:
 
 def _value(hint: Any) -> JsonSchema:  # noqa: ANN401 - a type
     """The JSON Schema of a value: a record is a section, pydantic knows the others, and none needs no words."""
-    (kind, *_) = [member for member in members(hint) if member is not NoneType]
+    (kind, *others) = [member for member in members(hint) if member is not NoneType]
+    if others and records_of(hint):
+        return {"anyOf": [_value(member) for member in (kind, *others)]}
     inner = get_args(kind)
     if get_origin(kind) is tuple and records_of(inner[0]):
         entry, least = section_schema(inner[0]), adapter_of(hint).json_schema().get("minItems", 0)

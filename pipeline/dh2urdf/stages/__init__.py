@@ -345,10 +345,12 @@ class ReadsBack(NamedTuple):
         read_back: the robot that a written main file describes, by code that shares nothing with `emit`: the proof of
             every run compares its kinematics with the DH product.
         is_costly: whether `read_back` is so slow that long runs prove a sample only.
+        of_tables: whether the files are tables, which have the arm without what is attached to it.
     """
 
     read_back: Callable[[Path], Robot]
     is_costly: bool = False
+    of_tables: bool = False
 
 
 class ReadsForeign(NamedTuple):

@@ -293,3 +293,12 @@ def test_a_xacro_gets_arguments_and_packages(tmp_path: Path) -> None:
     assert mounting.origin.xyz == (0.25, 0.0, 0.0)
     (copy,) = (tmp_path / "meshes").glob("palm-*.stl")
     assert copy.read_bytes() == b"solid palm\nendsolid\n"
+
+
+def test_a_table_has_the_arm_alone_and_says_so(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
+    convert(".urdf")
+    edit = {"attach": {"file": str(tmp_path / "hand.urdf"), "name": "hand"}}
+    with pytest.warns(dh2urdf.TableWarning, match="hand_base_link"):
+        dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "arm.yaml", edits=[edit])
+    again, given = dh2urdf.read(tmp_path / "arm.yaml"), dh2urdf.read(tmp_path / "arm.csv")
+    assert np.allclose(again.fk([0.3, -0.7]), given.fk([0.3, -0.7]), atol=1e-12)

@@ -61,7 +61,7 @@ EMITTER = Emitter(
     options=TableOptions,
     emit=Late(f"{_FILES}:tables_of"),
     capabilities=(
-        ReadsBack(Late(f"{__name__}.reader:read_table")),
+        ReadsBack(Late(f"{__name__}.reader:read_table"), of_tables=True),
         OtherFiles(one_file=one_file, for_suffix=for_suffix),
         GivesNotices(Late(f"{_FILES}:notices_of_tables")),
     ),

@@ -148,7 +148,8 @@ def _blocks(both: list[Chains], length_unit: str, angle_unit: str) -> Iterator[l
 def _table(arm: Manipulator, length_unit: str, angle_unit: str) -> Iterator[str]:
     """A table as people read it: a line for each row, then base and tool where they are not the identity."""
     text = table_text(arm, length_unit, angle_unit)
-    fields = ("joint", "type", "a", "alpha", "d", "theta")
+    fields = ["joint", "type", "a", "alpha", "d", "theta"]
+    fields += ["follows"] if any(row.follows for row in arm.rows) else []
     units = {"a": length_unit, "d": length_unit, "alpha": angle_unit, "theta": angle_unit}
     heads = [f"{field} [{units[field]}]" if field in units else field for field in fields]
     cells = [heads, *([row.get(field, "") for field in fields] for row in text.rows)]

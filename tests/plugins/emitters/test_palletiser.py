@@ -70,6 +70,16 @@ def test_the_table_comes_back(folder: Path, name: str) -> None:
     assert again.rows == arm.rows
 
 
+def test_the_printed_table_has_the_laws(folder: Path, cli: Callable[..., Answer]) -> None:
+    """Of an arm without followers it has no such column."""
+    rows = cli("extract", folder / "arm.urdf").stdout.splitlines()
+    assert rows[1].split()[-1] == "follows"
+    assert {row.split()[0]: row.split()[-1] for row in rows if "-joint_" in row} == {
+        "elbow": "-joint_2",
+        "wrist": "-joint_3",
+    }
+
+
 @pytest.mark.parametrize("form", ["csv", "json", "md", "tex"])
 def test_every_text_of_the_table_reads_back(tmp_path: Path, form: str) -> None:
     path = tmp_path / f"arm.{form}"

@@ -390,7 +390,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
     "plugins/dh2urdf_plugins/formats": 4310,
-    "plugins/dh2urdf_plugins/loaders": 2620,
+    "plugins/dh2urdf_plugins/loaders": 2630,
     "plugins/dh2urdf_plugins/packages": 2230,
     "plugins/dh2urdf_plugins/readers": 7110,
     "plugins/dh2urdf_plugins/transforms": 2190,

@@ -136,7 +136,7 @@ def load_config(
     root = root or read_yaml(path)
     names = expect_mapping(root, "a run file").keys()
     if names and not any(get_close_matches(name, keys.SECTIONS, cutoff=0.75) for name in names):
-        raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=keys.SECTIONS))
+        raise ConfigError(say("no-run-file", root.mark, found=", ".join(names), sections=[*keys.SECTIONS]))
     to = Reading(folder=path.parent, changes=mark.file)
     for setting in overrides:
         try:

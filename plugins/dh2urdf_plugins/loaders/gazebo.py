@@ -12,7 +12,7 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -57,7 +57,12 @@ class Held(measures.Model):
     def __init__(self, model: Robot, written: Robot | None = None) -> None:
         self.model, self._written = model, written
         self.joints: list[dict[str, Any]] = [
-            {"name": joint.name, "type": joint.type.value, "axis": joint.axis, **asdict(joint.limits)}
+            {
+                "name": joint.name,
+                "type": joint.type.value,
+                "axis": joint.axis,
+                **{name: getattr(joint.limits, name) for name in ("lower", "upper", "velocity", "effort")},
+            }
             for joint in model.moving_joints
         ]
         self.bodies = {

@@ -173,7 +173,7 @@ def _check(row: dict[str, Any], section: dict[str, Any], figures: Figures, *, dr
         figures.failed[row["kind"]] += 1
         if row["kind"] not in FAILURES or not row["errors"]:
             raise WrongRunError(f"{row['kind']}: {row['errors']}\n{text_of(section)}")
-    elif row["status"] != ("skipped" if dry else "ok"):
+    elif row["status"] != ("planned" if dry else "ok"):
         raise WrongRunError(f"{row['status']}\n{text_of(section)}")
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.documents import lost_references
+from dh2urdf.documents import is_folder, lost_references
 from dh2urdf.errors import ConfigError, InputError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
@@ -260,7 +260,7 @@ def _environment_packages() -> dict[str, Path]:
     found: dict[str, Path] = {}
     for variable, inner in PACKAGE_VARIABLES.items():
         folders = [Path(each) / inner for each in os.environ.get(variable, "").split(os.pathsep) if each]
-        for folder in reversed([each for each in folders if each.is_dir()]):
+        for folder in reversed([each for each in folders if is_folder(each)]):
             with suppress(InputError):  # a folder of an overlay that holds no package
                 found |= packages_in([folder])
     return found

@@ -92,7 +92,7 @@ class TestPrinted:
     def test_a_chain_that_has_no_table_costs_no_other(self, cli: Cli, tmp_path: Path) -> None:
         """The others are printed and written; it is named with the reason, and the exit status tells."""
         path, table = tmp_path / "tree.urdf", tmp_path / "chains.yaml"
-        head, mimic = '<joint name="{}" type="continuous">', '<mimic joint="j1"/>'
+        head, mimic = '<joint name="{}" type="continuous">', '<mimic joint="elsewhere"/>'
         path.write_text(TREE.replace(third := head.format("j3"), third + mimic))
         for words in ((), ("--convention", "modified"), ("-o", str(table))):
             answer = cli("extract", str(path), "--tip-link", "*", *words, status=1)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from conftest import Answer
 
-TABLE = Path(__file__).parents[3] / "configs" / "tables" / "irb460.yaml"
+TABLE = Path(__file__).parents[3] / "configs" / "palletiser" / "irb460.yaml"
 FILES = ("arm.urdf", "arm.sdf", "arm.xml", "arm.urdf.xacro")
 RNG = np.random.default_rng(460)
 LOWER, UPPER = np.radians([-165, -40, -20, -300]), np.radians([165, 85, 120, 300])

@@ -389,7 +389,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 850,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
-    "plugins/dh2urdf_plugins/formats": 4310,
+    "plugins/dh2urdf_plugins/formats": 4320,
     "plugins/dh2urdf_plugins/loaders": 2630,
     "plugins/dh2urdf_plugins/packages": 2230,
     "plugins/dh2urdf_plugins/readers": 7110,

@@ -5,15 +5,22 @@ The functions here are those that the records of the stages name; they are impor
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Checks
 from dh2urdf_plugins.late import Late
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from dh2urdf.robot import Robot
+
+say = Messages(__file__)
 
 read_urdf = Late(f"{__name__}.urdf.reader:read_urdf")
 read_urdfs = Late(f"{__name__}.urdf.scanner:scan_columns")
@@ -38,6 +45,13 @@ def checks(check: str, descriptions: str, fix: str = "", *, finds_packages: bool
     fixes = Late(function(fix)) if fix else None
     ask = Late(function("ask.findings:with_what_is_seen"))
     return (Checks(Late(function(check)), Late(function(descriptions)), fixes, finds_packages, ask),)
+
+
+def notices_of_elements(robot: Robot, _options: object) -> list[Problem]:
+    """A notice for each tag of the elements of attachments that are for other programs, which URDF alone keeps."""
+    found = [re.match(r"<([^\s/>]+)", text) for each in robot.attachments for text in each.elements]
+    counts = Counter(match[1] for match in found if match)
+    return [say("elements-in-urdf-only", tag=tag, count=count) for tag, count in counts.items()]
 
 
 def numbered_name(name: str, taken: Collection[str]) -> str:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -226,6 +228,21 @@ def test_what_no_robot_has_is_told(convert: Callable[..., tuple[Path, Robot]]) -
         convert(".urdf", more)
     words = " ".join(str(each.message) for each in told)
     assert all(word in words for word in ("safety_controller", "calibration", "texture"))
+
+
+@pytest.mark.parametrize("suffix", READERS)
+def test_elements_for_other_programs_are_counted_where_they_are_left_out(
+    suffix: str, convert: Callable[..., tuple[Path, Robot]]
+) -> None:
+    """One notice for each tag, in SDF and MJCF; URDF and xacro have the elements."""
+    hand = HAND.replace("<mujoco>", '<gazebo><plugin name="p" filename="f"/></gazebo><mujoco>')
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        convert(suffix, hand)
+    found = re.findall(r"elements (\w+) \((\d+)\)", " ".join(str(each.message) for each in told))
+    lost = {"gazebo": "2", "transmission": "1", "ros2_control": "1", "mujoco": "1"}
+    assert dict(found) == (lost if suffix in {".sdf", ".xml"} else {})
+    assert len(found) == len(dict(found))
 
 
 def test_two_meshes_of_one_name_stay_two(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:

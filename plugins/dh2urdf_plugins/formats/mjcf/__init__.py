@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from dh2urdf.stages import Emitter, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
+from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
+from dh2urdf_plugins.formats import checks, foreign_mjcf, notices_of_elements, read_mjcf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -35,5 +35,6 @@ EMITTER = Emitter(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
         *checks("inspection:inspect_mjcf", "files:mjcfs"),
+        GivesNotices(notices_of_elements),
     ),
 )

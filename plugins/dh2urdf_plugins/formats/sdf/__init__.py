@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_sdf, read_sdf
+from dh2urdf_plugins.formats import checks, foreign_sdf, notices_of_elements, read_sdf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -22,11 +22,11 @@ class SdfOptions:
     fixed: bool = option("hold the arm on the world, where it is spawned; without, something else has to hold it", True)
 
 
-def notices(robot: Robot, _options: SdfOptions) -> list[Problem]:
-    """What a person should know of the file: that its base has a mass which the table does not state."""
+def notices(robot: Robot, options: SdfOptions) -> list[Problem]:
+    """What a person should know of the file: a base's mass that no table states, and elements that are left out."""
     from dh2urdf_plugins.base_bodies import notices_for_gazebo
 
-    return notices_for_gazebo(robot, filled=True)
+    return [*notices_for_gazebo(robot, filled=True), *notices_of_elements(robot, options)]
 
 
 EMITTER = Emitter(

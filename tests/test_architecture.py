@@ -395,7 +395,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/readers": 7110,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
-    "plugins/dh2urdf_studio": 6700,
+    "plugins/dh2urdf_studio": 6720,
 }
 """Lines that a room may have at most, with all below it. A change that needs more lowers another budget, or says why not."""
 

@@ -214,7 +214,7 @@ async def make(session: Session, kind: str, name: str, failed: str = "This canno
     """Hands over one of the `savings` of a session; where both variants are shown, of the arm itself."""
     variant = session.variant if session.variant in session.variants else session.variants[0]
     try:
-        wanted = session.table, kind, name, variant, session.catalog, session.arm_edits
+        wanted = session.table, kind, name, variant, session.catalog, session.changes
         file = await run.io_bound(saved, *wanted)
     except Dh2UrdfError as error:
         await show_error(failed, error)

@@ -170,7 +170,7 @@ def _joint(joint: Joint, figure: Figure) -> str:
     lower, upper = joint.limits.lower, joint.limits.upper
     if joint.type is not JointType.CONTINUOUS and lower is not None and upper is not None:
         words.append(" to ".join(f"{end:.4g} m" if slides else f"{math.degrees(end):.4g}°" for end in (lower, upper)))
-    if (follower := figure.followers.get(joint.name)) is not None:
+    if (follower := figure.robot.followers.get(joint.name)) is not None:
         told = f"follows {follower.multiplier:.4g} · {follower.leader}"
         for factor, power in zip((follower.offset, *follower.higher), _POWERS, strict=False):
             if factor:

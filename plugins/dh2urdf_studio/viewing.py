@@ -16,7 +16,7 @@ from dh2urdf.kinematics.chain import link_poses
 from dh2urdf.manipulator import TOOL
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.plugin_system.calls import a_record, blaming, default_call
-from dh2urdf.robot import Robot, following, with_followers
+from dh2urdf.robot import Robot, with_followers
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.run_file.config import RUN_SUFFIXES, StageCall, is_run_file, load_config
 from dh2urdf.run_file.plan import make_plan
@@ -100,14 +100,14 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
     # Simulators make axes of the length 1, of any length but 0.
     unit_axes = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in found.robot.joints)
-    robot = replace(found.robot, joints=tuple(unit_axes))
+    led = (replace(each, follows=found.followers.get(each.name, each.follows)) for each in unit_axes)
+    robot = replace(found.robot, joints=tuple(led))
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
     find = mesh_finder(found.folder or path.resolve().parent, packages)
     addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))
     files = {address: file for address in addresses if (file := find(address))}
-    followers = following(found.followers, [joint.name for joint in robot.moving_joints])
     title = robot.name.strip() or path.stem
-    return Figure(robot=robot, title=title, files=files, followers=followers, loose=found.loose, notices=found.notices)
+    return Figure(robot=robot, title=title, files=files, loose=found.loose, notices=found.notices)
 
 
 def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
@@ -126,7 +126,7 @@ def _of_run(path: Path, catalog: Catalog) -> Iterator[Figure]:
             raise InputError(say("too-many-robots", count=f"more than {MOST_FIGURES}", most=MOST_FIGURES))
         robot, _ = make_item(what, transform, edits)
         table = None if isinstance(what, Cell) else robot.manipulator
-        yield Figure(robot=robot, manipulator=table, title=robot.name, followers=robot.followers)
+        yield Figure(robot=robot, manipulator=table, title=robot.name)
 
 
 class View(Tab):
@@ -141,7 +141,7 @@ class View(Tab):
         self.followers = {  # the joints that follow others: they have no slider, but values in `q`
             figure.name + name: follower._replace(leader=figure.name + follower.leader)
             for figure in figures
-            for name, follower in figure.followers.items()
+            for name, follower in figure.robot.followers.items()
         }
         found: list[Slider] = []
         for figure in figures:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import dh2urdf
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Mesh
@@ -46,6 +47,18 @@ def test_a_cell_is_one_robot(catalog: Catalog) -> None:
     assert set(tips(view)) == {"left_tool0", "right_tool0"}
     folder = load_figures([CONFIGS / "folder.yaml"], catalog)
     assert {figure.title for figure in folder} >= {"ur5", "panda", "scara"}
+
+
+def test_joints_of_a_table_that_follow_others_have_no_slider(catalog: Catalog, cli: Callable[..., Any]) -> None:
+    """Those of a palletiser; its URDF moves alike."""
+    table = CONFIGS / "palletiser" / "irb460.yaml"
+    cli("convert", table, "-o", "irb460.urdf")
+    view = View(load_figures([table, Path("irb460.urdf")], catalog))
+    leaders = [row.joint for row in dh2urdf.read(table).actuated_rows]
+    assert [slider.name.partition("/")[2] for slider in view.sliders] == leaders * 2
+    view.move({slider.name: 0.1 * (1 + index % len(leaders)) for index, slider in enumerate(view.sliders)})
+    one, two = tips(view).values()
+    assert np.allclose(one, two, atol=1e-9)
 
 
 def test_a_run_file_is_planned_as_a_run_plans_it(catalog: Catalog, tmp_path: Path) -> None:

@@ -136,10 +136,10 @@ def mass_parts(link: Link, radius: float) -> Iterator[ScenePart]:
         yield ScenePart(shape="sphere", size=half_axes, pose=pose, layer="inertias", colour=MASS, opacity=0.5)
 
 
-def grips(robot: Robot, followers: Mapping[str, Follower], before: str = "") -> dict[str, Grip]:
+def grips(robot: Robot, before: str = "") -> dict[str, Grip]:
     """How the links of a robot can be dragged, by the name of the link; those that nothing moves are left out."""
     above = {joint.child: joint for joint in robot.joints}
-    joints = {joint.name: joint for joint in robot.joints}
+    joints, followers = {joint.name: joint for joint in robot.joints}, robot.followers
     found = {}
     for link in robot.links:
         name, seen = link.name, set[str]()

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.kinematics.chain import dh_frames, link_poses
 from dh2urdf.manipulator import FLANGE, TOOL, WORLD, JointType, Manipulator
-from dh2urdf.robot import Box, Cylinder, Follower, Joint, Mesh, Robot, Sphere
+from dh2urdf.robot import Box, Cylinder, Joint, Mesh, Robot, Sphere
 from dh2urdf.rotations import IDENTITY, RigidTransform, norm, scale
 from dh2urdf.source import Problem
 from dh2urdf.table_text import TableText
@@ -68,7 +68,6 @@ class Figure:
     )
     files: Mapping[str, Path] = field(default_factory=dict)  # that the addresses of its meshes mean
     as_in_ros: bool = True  # whether the axis up of COLLADA files is not followed: see `dh2urdf.meshes.read_parts`
-    followers: Mapping[str, Follower] = field(default_factory=dict)  # the joints that follow another one, by name
     loose: Mapping[str, str] = field(
         default_factory=dict
     )  # types that no table has of joints, which are fixed in the robot
@@ -204,7 +203,7 @@ def _nodes(figure: Figure, reach: float) -> Iterator[SceneNode]:
     # So many reaches, and no more than half of a usual link, which the arrows of a frame would bury.
     far = max(extent(arm.kind) for arm in robot.arms) if robot.arms else reach
     size = min(FRAME_SIZE, 0.5 / max(1, len(robot.moving_joints) // max(1, len(robot.arms)))) * far
-    held = grips(robot, figure.followers, figure.name)
+    held = grips(robot, figure.name)
     bodies_of = {link.name: list(_bodies(link, figure)) for link in robot.links}
     for link in robot.links:
         joint = above.get(link.name)

@@ -170,10 +170,16 @@ def made_edits(
     made, found = {}, list[CellProblem]()
     for number, text in enumerate(texts):
         try:
-            made[text] = earlier.get(text) or edit_calls([text], STUDIO, catalog)[0]
+            made[text] = earlier.get(text) or edit_call(text, catalog)
         except Dh2UrdfError as error:
             found += [_of_edit(number, each, STUDIO) for each in problems_of(error)]
     return made, tuple(found)
+
+
+def edit_call(text: str, catalog: Catalog) -> Call[Edit[Any]]:
+    """An edit of the arm, given its text; an `InputError` where it is wrong."""
+    (call,) = edit_calls([text], STUDIO, catalog)
+    return call
 
 
 def _of_edit(number: int, problem: Problem, nowhere: Mark | None) -> CellProblem:

@@ -14,9 +14,8 @@ import zipfile
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.commands.choices import edit_calls
 from dh2urdf.commands.convert import POSES, as_named, carry_out, in_one_file
 from dh2urdf.conversion.one_manipulator import Recipe, in_format
 from dh2urdf.errors import EmitterError, ProofError
@@ -24,7 +23,7 @@ from dh2urdf.meshes.files import FILE, FOLDER, RELATIVE, prefix_of
 from dh2urdf.output.whole_files import safe_stem
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.plugin_system.options import plain
-from dh2urdf.stages import Compares, Emitter, OtherFiles, WritesFolders, WritesTables
+from dh2urdf.stages import Compares, Edit, Emitter, OtherFiles, WritesFolders, WritesTables
 from dh2urdf.table_text import NAMES
 from dh2urdf.table_text.texts import yaml_word
 from dh2urdf_studio.editing.reading import STUDIO, transform_call
@@ -36,6 +35,9 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.calls import Call
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.table_text import TableText
+
+    Changes: TypeAlias = Sequence[Call[Edit[Any]]]
+    """Edits of the arm, read already: the file of an attachment may have changed since it was drawn."""
 
 _COMMA = re.compile(r"^([-+−]?[0-9]*),(?=[0-9]+(?:[eE][-+]?[0-9]+)?[^0-9,]*$)")
 """The comma of a cell that is a number with a decimal comma, with or without a unit."""
@@ -60,7 +62,7 @@ def savings(catalog: Catalog) -> Iterator[tuple[str, str, str]]:
 
 
 def saved(  # noqa: PLR0917 - of what, in which form
-    table: TableText, kind: str, name: str, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()
+    table: TableText, kind: str, name: str, variant: str, catalog: Catalog, changes: Changes = ()
 ) -> Saved:
     """One of the `savings` of a table, or of its arm with some edits.
 
@@ -72,14 +74,14 @@ def saved(  # noqa: PLR0917 - of what, in which form
         case "table":
             return table_file(table, name, catalog)
         case "other":
-            return other_file(table, name, variant, catalog, arm_edits)
+            return other_file(table, name, variant, catalog, changes)
         case "robot":
             # The bytes of `dh2urdf convert TABLE --to FORMAT` on standard output.
             call = in_one_file(default_call(catalog, catalog.get("emitter", name)))
-            return _make(table, [call], variant, catalog, arm_edits)[0]
+            return _make(table, [call], variant, catalog, changes)[0]
         case "run":
-            return run_file(table, variant, catalog, arm_edits)
-    files = all_files(table, variant, catalog, arm_edits)
+            return run_file(table, variant, catalog, changes)
+    files = all_files(table, variant, catalog, changes)
     there = {Path(file.name).suffix for file in files}
     missing = tuple(suffix for suffix in other_suffixes(catalog) if suffix not in there)
     written = io.BytesIO()
@@ -138,39 +140,39 @@ def _emitters_of_files(catalog: Catalog) -> list[Emitter[Any]]:
     return [stage for stage in stages if isinstance(stage, Emitter) and not stage.can(WritesFolders)]
 
 
-def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> Saved:
+def other_file(table: TableText, suffix: str, variant: str, catalog: Catalog, changes: Changes = ()) -> Saved:
     """A table for people or other programs: the bytes of `dh2urdf convert TABLE -o FILE` with this suffix."""
     call = as_named(default_call(catalog, catalog.emitter_for(Path(f"arm{suffix}"))), Path(f"arm{suffix}"))
-    return _make(table, [call], variant, catalog, arm_edits)[0]
+    return _make(table, [call], variant, catalog, changes)[0]
 
 
-def all_files(table: TableText, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> tuple[Saved, ...]:
+def all_files(table: TableText, variant: str, catalog: Catalog, changes: Changes = ()) -> tuple[Saved, ...]:
     """The table in every format that can hold it, the run file, and what `dh2urdf run` makes of it."""
     emitters = [catalog.get("emitter", name) for name in robot_formats(catalog)]
     tables = [table_file(table, name, catalog) for name in table_formats(catalog)]
-    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog, arm_edits)
+    made = _make(table, [default_call(catalog, emitter) for emitter in emitters], variant, catalog, changes)
     others: list[Saved] = []
     for suffix in other_suffixes(catalog):
         with suppress(EmitterError, ProofError):  # a table has no place for what is attached
-            others.append(other_file(table, suffix, variant, catalog, arm_edits))
-    return (*tables, *others, run_file(table, variant, catalog, arm_edits), *made)
+            others.append(other_file(table, suffix, variant, catalog, changes))
+    return (*tables, *others, run_file(table, variant, catalog, changes), *made)
 
 
-def run_file(table: TableText, variant: str, catalog: Catalog, arm_edits: Sequence[str] = ()) -> Saved:
+def run_file(table: TableText, variant: str, catalog: Catalog, changes: Changes = ()) -> Saved:
     """A run file that does with the saved table what the studio does."""
     name = table_file(table, catalog.cell_reader().name, catalog).name
     transform = catalog.usual("transform")
     compares = transform.can(Compares)
     options = f"{compares.option}: {variant}" if compares else ""
-    changes = []
-    for call in edit_calls(arm_edits, STUDIO, catalog):
+    lines_of_edits = []
+    for call in changes:
         usual, given = plain(call.stage.options()), plain(call.options)
         given = {key: value for key, value in given.items() if key not in usual or value != usual[key]}
-        changes.append(f"  - {{stage: {call.stage.name}, options: {json.dumps(given, ensure_ascii=False)}}}")
+        lines_of_edits.append(f"  - {{stage: {call.stage.name}, options: {json.dumps(given, ensure_ascii=False)}}}")
     lines = [
         f"inputs: {yaml_word(name)}",
         f"transform: {{stage: {transform.name}, options: {{{options}}}}}",
-        *(["edits:", *changes] if changes else ()),
+        *(["edits:", *lines_of_edits] if changes else ()),
         "emitters:",
         *(f"  - {{stage: {emitter}}}" for emitter in robot_formats(catalog)),
         f"output: {{directory: {yaml_word('build/' + Path(name).stem)}}}",
@@ -180,7 +182,7 @@ def run_file(table: TableText, variant: str, catalog: Catalog, arm_edits: Sequen
 
 
 def _make(
-    table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog, arm_edits: Sequence[str]
+    table: TableText, emitters: Sequence[Call[Emitter[Any]]], variant: str, catalog: Catalog, changes: Changes
 ) -> list[Saved]:
     """The files of some emitters, made as `dh2urdf convert` makes them of the saved table.
 
@@ -190,7 +192,7 @@ def _make(
     recipe = Recipe(
         transform=transform_call(catalog, variant),
         emitters=tuple(emitters),
-        edits=edit_calls(arm_edits, STUDIO, catalog),
+        edits=tuple(changes),
         poses=POSES,
         mesh_prefix=prefix_of(FILE if is_alone else RELATIVE),
     )

@@ -25,6 +25,7 @@ from dh2urdf_studio.editing.comparing import Beside, beside
 from dh2urdf_studio.editing.reading import (
     CellProblem,
     Reading,
+    edit_call,
     made_edits,
     make,
     read,
@@ -99,6 +100,15 @@ class Session(Tab):
     def arm_edits(self) -> tuple[str, ...]:
         """What is changed in the arm of the table, in order: texts as `dh2urdf convert --edit` takes them."""
         return self.history.arm_edits
+
+    @property
+    def changes(self) -> tuple[Call[Edit[Any]], ...]:
+        """The edits of the arm, as they were read when they were typed.
+
+        Raises:
+            InputError: one of them cannot be made.
+        """
+        return tuple([self._edits.get(text) or edit_call(text, self.catalog) for text in self.arm_edits])
 
     def edit_arm(self, texts: Sequence[str]) -> None:
         """Other edits of the arm, or the same in another order."""
@@ -331,7 +341,7 @@ class Session(Tab):
         given, variant = reading.manipulator, self.variants[0]
         if given is None or not set(self.arm_edits) <= self._edits.keys():
             return False
-        changes = tuple(self._edits[text] for text in self.arm_edits)
+        changes = self.changes
         robot, problems = make(given, variant, reading.table, self.catalog, changes)
         if robot is None:
             self.problems_of_making = problems
@@ -374,15 +384,14 @@ class Session(Tab):
             title = "the arm" if variant == BOTH and arm.other else ""
             # An edit may make another arm than the table's; that has no DH frames.
             table = arm.manipulator if arm.robot.manipulator else None
-            led = arm.robot.followers
-            figures.append(Figure(robot=arm.robot, manipulator=table, typed=arm.typed, title=title, followers=led))
+            figures.append(Figure(robot=arm.robot, manipulator=table, typed=arm.typed, title=title))
         elif variant == self.variants[-1]:
-            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False, followers=arm.other.followers))
+            figures.append(Figure(robot=arm.other, tint=PAPER, link_frames=False))
         if variant == BOTH and arm.other is not None:
             aside = 0.6 * max(extent(arm.robot), extent(arm.other))
             place, name = RigidTransform(IDENTITY.rotation, (0.0, aside, 0.0)), self.variants[-1]
             other = Figure(robot=arm.other, name=f"{name}/", place=place, tint=PAPER, title=name, link_frames=False)
-            figures.append(replace(other, followers=arm.other.followers))
+            figures.append(other)
         if self._described is not None:
             described, base, tip = self._described
             self.beside = beside(described, arm.manipulator, arm.robot, base_link=base, tip_link=tip)

@@ -239,7 +239,12 @@ def test_links_from_the_root_with_all_that_they_hold() -> None:
     joints = (
         Joint(name="f", type=JointType.PRISMATIC, parent="hand", child="finger", limits=Limits(lower=0.0, upper=0.04)),
         Joint(
-            name="t", type=JointType.REVOLUTE, parent="finger", child="tip", limits=Limits(lower=-math.pi, upper=1.0)
+            name="t",
+            type=JointType.REVOLUTE,
+            parent="finger",
+            child="tip",
+            limits=Limits(lower=-math.pi, upper=1.0),
+            follows=Follower("f", -2.0, 0.1, (0.0, -0.5)),
         ),
         Joint(name="l", type=JointType.FIXED, parent="hand", child="loose"),
     )
@@ -247,7 +252,6 @@ def test_links_from_the_root_with_all_that_they_hold() -> None:
         robot=Robot(name="gripper", links=links, joints=joints),
         name="gripper/",
         title="gripper",
-        followers={"t": Follower("f", -2.0, 0.1, (0.0, -0.5))},
         loose={"l": "floating"},
     )
     found = contents(one)

@@ -170,6 +170,8 @@ def test_the_file_of_an_attachment_is_read_again_when_it_is_added_again(session:
     path.write_text(HAND.read_text("utf-8").replace("left_finger", "thumb"), "utf-8")
     session.edit(1, "a", "-0.5")
     assert "hand_left_finger" in poses(session)
+    saved = save.saved(session.table, "robot", "urdf", "exact", session.catalog, session.changes)
+    assert b"hand_left_finger" in saved.content, "what is saved is what is drawn"
     session.edit_arm([])
     session.edit_arm([text])
     assert "hand_thumb" in poses(session)
@@ -181,10 +183,12 @@ def test_the_file_of_an_attachment_is_read_again_when_it_is_added_again(session:
 @pytest.mark.parametrize("form", ["urdf", "xacro", "sdf", "mjcf"])
 def test_files_are_those_of_convert(catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, form: str) -> None:
     """Byte by byte what `dh2urdf convert --edit` makes of the saved table."""
-    table, given = gallery_table("ur5.csv", catalog), [ATTACH, "payload: {mass: 2 kg}"]
+    given = [ATTACH, "payload: {mass: 2 kg}"]
+    session = Session(catalog, gallery_table("ur5.csv", catalog), given)
+    table = session.table
     saved = save.table_file(table, "csv", catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
-    made = save.saved(table, "robot", form, "exact", catalog, given)
+    made = save.saved(table, "robot", form, "exact", catalog, session.changes)
     words = [word for text in given for word in ("--edit", text)]
     assert made.content == cli("convert", saved.name, "--to", form, *words).stdout.encode()
     # In a xacro the names are those of the file of the hand, and the prefix comes with the call.
@@ -202,7 +206,7 @@ def test_a_zip_has_the_meshes(catalog: Catalog, cli: Callable[..., Any], tmp_pat
     given = [f"attach: {{file: {tmp_path / 'hand.urdf'}, name: hand}}", "limits: {margin: 3 deg}"]
     session = Session(catalog, gallery_table("ur5.csv", catalog), given)
     assert [mesh.path for mesh in session.drawing.meshes.values()] == [tmp_path / "finger.stl"]
-    content = save.saved(session.table, "all", "", "exact", catalog, given).content
+    content = save.saved(session.table, "all", "", "exact", catalog, session.changes).content
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         archive.extractall(tmp_path)
         names = archive.namelist()

@@ -1,7 +1,5 @@
 """What all tests share: facts of tests/reference, the command, an oracle of URDF, and the rule about skips."""
 
-from __future__ import annotations
-
 import atexit
 import importlib.metadata
 import json
@@ -17,16 +15,18 @@ import threading
 import time
 import tomllib
 import urllib.request
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import asdict, fields, is_dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import hypothesis
 import numpy as np
 import pytest
 import yaml
 from child_python import python
+from command_line import Answer, Cli
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
@@ -37,9 +37,6 @@ from dh2urdf.plugin_system import load
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY
 from reference_arms import ReferenceRobot, load_reference_robots
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterator, Sequence
 
 R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
 
@@ -355,13 +352,6 @@ def undrawn() -> str:
     )
 
 
-class Answer(NamedTuple):
-    """What the command line printed."""
-
-    stdout: str
-    stderr: str
-
-
 @pytest.fixture
 def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that does not say how many workers it has works in this process: each worker takes half a second to start."""
@@ -376,7 +366,7 @@ def cli(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
     in_this_process: None,  # noqa: ARG001 - it is asked for its effect
-) -> Callable[..., Answer]:
+) -> Cli:
     """Call the command line in the test's folder, in this process: as good as the command, and started at once.
 
     So does a run of several manipulators, unless it asks for workers. Its report.html has no drawings, which take half

@@ -4,8 +4,6 @@ The sources are copied, a gear ratio is added in six files, wear of rows alone i
 process of its own.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

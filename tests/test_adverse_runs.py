@@ -1,11 +1,12 @@
 """Runs that the system is against: no permission, a full disk, inputs that change, a clock set back, an upgrade."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
+from command_line import Cli
 from permissions import ordinary, pytest_linux
 from run_files import tree
 
@@ -16,14 +17,6 @@ from dh2urdf.output.file_patterns import matching
 from dh2urdf.plugin_system import load
 from dh2urdf.running.run import load_plan
 from dh2urdf.tasks.batch import Expected, items
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 HEAD = "# convention: standard\n"
 TABLE = f"{HEAD}joint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"

@@ -1,7 +1,5 @@
 """The house rules, held by tests: what is shipped, who imports whom, and what a start costs."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import json
@@ -12,10 +10,11 @@ import subprocess
 import sys
 import tomllib
 import zipfile
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import pluggy
 import pytest
@@ -31,10 +30,6 @@ from dh2urdf.plugin_system import KINDS, RECORDS, load
 from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Subcommand
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-    from types import ModuleType
 
 ROOT = Path(__file__).parents[1]
 HOST = ROOT / "pipeline" / "dh2urdf"

@@ -1,11 +1,11 @@
 """What is written of any table is an arm in Gazebo, too: the base has a mass, but where the table has `base: {mass: 0}`."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any, get_args
+from pathlib import Path
+from typing import Any, get_args
 
 import pytest
+from command_line import Cli
 from lxml import etree
 from sdformat_calls import sdformat
 
@@ -14,14 +14,6 @@ from dh2urdf.stages import Expansion
 from dh2urdf_plugins.formats.urdf import ProfileName
 from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 HEADER = "# convention: standard\njoint,type,a,alpha,d,mass\n"
 WEIGHED = HEADER + "one,R,0.3,pi/2,0,3\ntwo,P,0.2,0,0,2\n"

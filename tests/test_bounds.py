@@ -5,13 +5,12 @@ the answer comes quickly is what the suite's own time limit is for; the sizes he
 the bounds did not hold.
 """
 
-from __future__ import annotations
-
 import csv as python_csv
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,9 +25,6 @@ from dh2urdf_plugins.readers.sources.delimited import MAX_LINE
 from dh2urdf_plugins.readers.sources.texts import MAX_HEADER
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 CSV, YAML = stages.CSV, stages.YAML
 STANDARD = TableOptions(convention="standard")

@@ -1,17 +1,13 @@
 """Small files that would take gigabytes or minutes: each is refused in one sentence, in a child that is measured."""
 
-from __future__ import annotations
-
 import io
 import subprocess
 import sys
 import zipfile
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MOST = 300
 """What reading may take beyond the memory that a plain table of the same kind takes [MiB]."""

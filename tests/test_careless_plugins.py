@@ -4,21 +4,16 @@ Each test is a run of three arms by the real command. What a stage does besides 
 arms, and the command ends.
 """
 
-from __future__ import annotations
-
 import json
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    Command = Callable[..., CompletedProcess[str]]
-    Made = Callable[..., tuple[CompletedProcess[str], dict[str, str]]]
+Command = Callable[..., CompletedProcess[str]]
+Made = Callable[..., tuple[CompletedProcess[str], dict[str, str]]]
 
 PLUGIN = """
 import os, shutil, signal, subprocess, sys, threading, time

@@ -1,17 +1,13 @@
 """What docs/coming-from.md says of the Robotics Toolbox for Python is what the toolbox does."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 PAGE = Path(__file__).parents[1] / "docs" / "coming-from.md"
 

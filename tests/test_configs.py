@@ -1,18 +1,13 @@
 """Every run file of configs/ is run, and does what it says."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 from lxml import etree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 
@@ -26,9 +21,7 @@ TIPS = {
 
 
 @pytest.mark.parametrize("config", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
-def test_it_is_run(
-    cli: Callable[..., Answer], tmp_path: Path, config: Path, require_loaders: Callable[..., None]
-) -> None:
+def test_it_is_run(cli: Cli, tmp_path: Path, config: Path, require_loaders: Callable[..., None]) -> None:
     """Exit status 0, every manipulator ok, and not a word on standard error: an example gives no cause for a notice."""
     require_loaders(*(name for name in ("pybullet", "mujoco") if name in config.read_text("utf-8")))
     answer = cli("run", config, "-o", tmp_path / "out")
@@ -66,7 +59,7 @@ def check_cell(name: str, entry: dict[str, Any], folder: Path) -> None:
     assert (folder / loaded["picture"]).is_file()
 
 
-def test_convert_takes_the_tables_too(cli: Callable[..., Answer]) -> None:
+def test_convert_takes_the_tables_too(cli: Cli) -> None:
     """Each table stands alone: one conversion needs no run file."""
     for path in sorted((CONFIGS / "tables").iterdir()):
         described: Any = etree.fromstring(cli("convert", path).stdout.encode())

@@ -1,14 +1,13 @@
 """Every installed stage keeps the contract that the authors of plugins hold theirs to."""
 
-from __future__ import annotations
-
 import io
 import json
 import random
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -35,9 +34,6 @@ from dh2urdf_plugins.executors.dask import DaskOptions
 from dh2urdf_plugins.executors.local import LocalOptions
 from dh2urdf_plugins.loaders.simulators import CoppeliaSimOptions
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 CATALOG = load()
 

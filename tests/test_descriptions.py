@@ -1,7 +1,5 @@
 """Descriptions with random faults through the readers: a bounded part of `fuzz/descriptions.py`, and that it finds what is wrong."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 
 import descriptions

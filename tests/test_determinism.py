@@ -1,19 +1,14 @@
 """The same input gives the same bytes: on every run, with any hash seed, with any number of workers."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import ReferenceRobot
+from reference_arms import ReferenceRobot
 
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
 QUARTER_TURNS = (

@@ -1,7 +1,5 @@
 """mypy --strict has nothing to report about the Python in the README and in docs/: every block is checked as a module."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from pathlib import Path

@@ -13,8 +13,6 @@ The blocks of a page are taken in order, in a folder that holds `configs/`:
 The README has its own tests, in `test_readme.py`.
 """
 
-from __future__ import annotations
-
 import configparser
 import json
 import os
@@ -25,10 +23,10 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import pytest
@@ -40,9 +38,6 @@ from dh2urdf.plugin_system import load
 from dh2urdf.report.schema import report_schema
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -1,7 +1,5 @@
 """dh2urdf in somebody's program: threads work side by side, and nothing of the process is switched."""
 
-from __future__ import annotations
-
 import gc
 import locale
 import logging

@@ -3,8 +3,6 @@
 What comes out of them is proved by their own tests.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

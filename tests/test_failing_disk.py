@@ -1,20 +1,15 @@
 """A disk that fails at any call of the system: one sentence, and never an internal error."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 pytestmark = [
     pytest.mark.skipif(not sys.platform.startswith("linux"), reason="calls of other systems have other names"),

@@ -3,27 +3,20 @@
 What happens at import, at registration and in hooks is in tests/pipeline/plugin_system.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 import sys
+from collections.abc import Callable
 from inspect import getsource
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from subprocess import CompletedProcess
+from typing import Any
 
 import pytest
+from command_line import Answer, Cli
 from other_fields import with_field
 
 from dh2urdf.cli import exit_status_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 PLUGIN = """
 from dataclasses import dataclass, fields, replace

@@ -1,7 +1,5 @@
 """Joints that follow others."""
 
-from __future__ import annotations
-
 from math import inf, nan
 
 import pytest

@@ -1,21 +1,16 @@
 """Everything that fuzzing started from and found, through the targets again: it needs no fuzzer."""
 
-from __future__ import annotations
-
 import importlib.util
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 
 from dh2urdf.quantities import Quantity
+from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
-    from dh2urdf.stages import EmittedFile
 
 FUZZ = Path(__file__).parents[1] / "fuzz"
 REFERENCE = Path(__file__).parent / "reference" / "inputs"

@@ -1,25 +1,17 @@
 """No command writes over what it reads, whatever name the output has; nothing is written then."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.errors import OutputError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 TABLE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
 JSON = '{"convention": "standard", "joints": [{"a": 0.4, "alpha": 0, "d": 0.1}]}'

@@ -1,10 +1,9 @@
 """Tables of known arms through every reader: a bounded part of `fuzz/tables.py`, and that it finds what is wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +14,6 @@ from tables import Figures, WrongReading, counted_fast, run_case
 from dh2urdf.columns import member, stacked
 from dh2urdf_plugins.readers.plain import rows as plain_rows
 from dh2urdf_plugins.readers.plain.rows import PlainRows
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 CASES = range(1, 18)
 

@@ -1,24 +1,15 @@
 """A smaller run into the folder of a larger one: what the last manifest names goes, and nothing else does."""
 
-from __future__ import annotations
-
 import hashlib
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 from run_files import tree
 
 import dh2urdf
 from dh2urdf.output.layouts import Form
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 TABLE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
 RUN = """\

@@ -4,12 +4,12 @@ Four times as much takes less than eight times as long, in processor time of one
 sixteen. What takes too little to be measured passes.
 """
 
-from __future__ import annotations
-
 import gc
 import time
+from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,10 +19,6 @@ from dh2urdf_plugins.formats import foreign_mjcf as read_mjcf, foreign_sdf as re
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 MOST = 8.0

@@ -1,18 +1,13 @@
 """A locale or a terminal without UTF-8, and names of files that are no UTF-8: every command writes what it has to say."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MAIN = "from dh2urdf.cli import main; main()"
 TABLE = (

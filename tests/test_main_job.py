@@ -3,23 +3,19 @@
 `pytest --renew` writes its picture, which docs/ shows.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from subprocess import CompletedProcess
+from typing import Any
 
 import numpy as np
 import pytest
 from child_python import python
 from PIL import Image
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from subprocess import CompletedProcess
 
 pytest.importorskip("pybullet")
 pytest.importorskip("mujoco")

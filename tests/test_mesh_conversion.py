@@ -1,14 +1,14 @@
 """Meshes that every simulator takes: the same surfaces and masses, whatever files they come from."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from command_line import Cli
 from jsonschema import Draft202012Validator
 from lxml import etree
 
@@ -18,11 +18,6 @@ from dh2urdf.meshes import conversion as mesh_conversion
 from dh2urdf.meshes.forms import forms_of
 from dh2urdf.meshes.kinds import MeshConversion
 from dh2urdf.report.schema import manifest_schema
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from conftest import Answer
 
 DENSITY = 1000.0
 ONE = (1.0, 1.0, 1.0)
@@ -243,7 +238,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.mark.long
 def test_every_simulator_takes_three_arms_with_meshes_in_every_format(
-    folder: Path, cli: Callable[..., Answer], require_loaders: Callable[..., None]
+    folder: Path, cli: Cli, require_loaders: Callable[..., None]
 ) -> None:
     """Each is the arm of its table there; Pinocchio, which looks at collision meshes, has them all."""
     require_loaders(*LOADERS)
@@ -296,7 +291,7 @@ CSV = "# convention: standard\njoint,a,alpha,d\njoint_1,0,pi/2,0.2\njoint_2,0.3,
 
 
 @pytest.mark.long
-def test_copies_of_converted_meshes_are_copies(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_copies_of_converted_meshes_are_copies(folder: Path, cli: Cli) -> None:
     """Shared, the same bytes in every run, made again where they are lost, and removed where nobody needs them."""
     (folder / "arm.csv").write_text(CSV)
     (folder / "run.yaml").write_text(RUN)

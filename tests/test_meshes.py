@@ -1,27 +1,22 @@
 """Meshes from a table to the simulators: the same bodies in the same places, and every file where its robots find it."""
 
-from __future__ import annotations
-
 import json
 import math
+import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from command_line import Cli
 from jsonschema import Draft202012Validator
 from lxml import etree
 
 from dh2urdf.report.schema import manifest_schema
 from dh2urdf_plugins.formats.xacro.reader import expand
-
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Callable
-
-    from conftest import Answer
 
 SIZE = (0.06, 0.08, 0.2)
 ORIGINS = (((0.0, 0.1, -0.05), (0.0, 0.0, 0.0)), ((0.1, 0.0, 0.0), (0.3, -0.5, 0.7)), ((0, 0, 0), (0, math.pi / 2, 0)))
@@ -105,9 +100,7 @@ def mesh_names(path: Path) -> list[str]:
 
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 @pytest.mark.parametrize("frames", ["aligned", "dh"])
-def test_meshes_stand_where_the_table_has_them(
-    convention: str, frames: str, folder: Path, cli: Callable[..., Answer]
-) -> None:
+def test_meshes_stand_where_the_table_has_them(convention: str, frames: str, folder: Path, cli: Cli) -> None:
     """Pinocchio has each at base · A₁(q₁) · … · Aᵢ(qᵢ) · origin, where it is seen and where it touches."""
     import pinocchio
 
@@ -128,7 +121,7 @@ def test_meshes_stand_where_the_table_has_them(
             assert corner == pytest.approx(np.array(SIZE) / 2, rel=1e-6)
 
 
-def test_the_expanded_xacro_has_the_meshes_of_the_urdf(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_the_expanded_xacro_has_the_meshes_of_the_urdf(folder: Path, cli: Cli) -> None:
     """Names, scales and origins; the copies lie beside both."""
     (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.obj", "link_mm.stl"))
     cli("convert", "arm.yaml", "-o", "out/arm.urdf")
@@ -143,7 +136,7 @@ def test_the_expanded_xacro_has_the_meshes_of_the_urdf(folder: Path, cli: Callab
 
 
 class TestConvert:
-    def test_it_copies_meshes_beside_its_file(self, folder: Path, cli: Callable[..., Answer]) -> None:
+    def test_it_copies_meshes_beside_its_file(self, folder: Path, cli: Cli) -> None:
         """Byte for byte, once each, under names with a part of their hashes."""
         (folder / "arm.yaml").write_text(table("standard", "link.stl", "link.stl", "link.dae"))
         cli("convert", "arm.yaml", "-o", "out/arm.urdf")
@@ -153,7 +146,7 @@ class TestConvert:
             original = folder / "meshes" / f"link{Path(name).suffix}"
             assert (folder / "out" / name).read_bytes() == original.read_bytes()
 
-    def test_it_can_name_the_originals(self, folder: Path, cli: Callable[..., Answer]) -> None:
+    def test_it_can_name_the_originals(self, folder: Path, cli: Cli) -> None:
         """On standard output it has nothing beside it to name."""
         (folder / "arm.yaml").write_text(table("standard", "link.stl"))
         cli("convert", "arm.yaml", "-o", "out/arm.urdf", "--meshes", "file")
@@ -177,7 +170,7 @@ CSV = "# convention: standard\njoint,a,alpha,d\njoint_1,0,pi/2,0.2\njoint_2,0.3,
 
 
 @pytest.fixture
-def run(folder: Path, cli: Callable[..., Answer]) -> Callable[..., list[dict[str, Any]]]:
+def run(folder: Path, cli: Cli) -> Callable[..., list[dict[str, Any]]]:
     """The rows of the manifest of a run with the meshes above."""
     (folder / "arm.csv").write_text(CSV)
 

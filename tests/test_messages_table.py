@@ -1,15 +1,14 @@
 """The words of the house as one table: the code of each message, one case that makes it, and the sentence."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import tomllib
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +17,7 @@ import yaml
 import dh2urdf
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot_check import check_robot
-from dh2urdf.source import Messages
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.source import Problem
+from dh2urdf.source import Messages, Problem
 
 pytestmark = pytest.mark.words
 

@@ -12,8 +12,6 @@ words of the random_dialects. It is sure of what it reads, or says that it is no
 Nothing else is accepted, and nothing is raised but a `TableError`.
 """
 
-from __future__ import annotations
-
 import ast
 import codecs
 import csv
@@ -21,11 +19,11 @@ import io
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import random_dialects
@@ -33,11 +31,7 @@ from hypothesis import assume, event, given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType, Manipulator
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from dh2urdf.stages import Rejected
+from dh2urdf.stages import Rejected
 
 BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 

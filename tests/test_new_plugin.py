@@ -1,7 +1,5 @@
 """`dh2urdf new-plugin`: for each kind of stage, what an author types, from the name to a run."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -9,21 +7,17 @@ import site
 import subprocess
 import sys
 import venv
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pytest
 from child_python import ADDOPTS, python
+from command_line import Cli
 
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    from dh2urdf.stages import Kind
+from dh2urdf.stages import Kind
 
 CSV = "# convention: standard\nrobot, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
 LINES = '{"name": "one", "convention": "standard", "rows": [{"a": 0.4}]}\n{"name": "bent", "rows": [1]}\n'
@@ -160,7 +154,7 @@ def test_the_smallest_plugins_work_at_once(
     assert {(kind, f"tiny-{kind}") for kind in KINDS} <= mine
 
 
-def test_the_tutorial_writes_what_the_checks_of_the_plugin_take(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_the_tutorial_writes_what_the_checks_of_the_plugin_take(cli: Cli, tmp_path: Path) -> None:
     """The code of docs/first-plugin.md, put where it says, leaves the new plugin's ruff nothing to say."""
     pytest.importorskip("ruff")
     cli("new-plugin", "wall-sheet", "--kind", "emitter")
@@ -172,7 +166,7 @@ def test_the_tutorial_writes_what_the_checks_of_the_plugin_take(cli: Callable[..
     leaves_ruff_nothing_to_say(tmp_path / "wall-sheet")
 
 
-def test_what_is_written_does_not_depend_on_the_length_of_the_name(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_what_is_written_does_not_depend_on_the_length_of_the_name(cli: Cli, tmp_path: Path) -> None:
     """Ruff finds nothing to change with the shortest and the longest name."""
     pytest.importorskip("ruff")
     for name in ("q", "q" * LONGEST):

@@ -6,14 +6,13 @@ from the first in the fields that the change concerns and in no others, or a mes
 text. Whatever has no effect in silence is a fault.
 """
 
-from __future__ import annotations
-
 import json
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -23,10 +22,6 @@ from file_texts import File, flow
 from known_arms import KnownArm
 from known_quantities import Text
 from known_tables import Arm, Column, Table
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 FIELDS = (
     *("joint", "link", "type", "a", "alpha", "d", "theta", "offset", "sign", "lower", "upper", "velocity", "effort"),

@@ -1,7 +1,5 @@
 """The notebooks of docs/notebooks run, and show what is kept in their files. `pytest --renew` runs and writes them."""
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Any

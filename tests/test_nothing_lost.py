@@ -1,7 +1,5 @@
 """Runs that are killed, that meet stages which crash, hang or raise, and that go on later: nothing is lost."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -9,17 +7,14 @@ import signal
 import subprocess
 import sys
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
+from typing import Any
 
 import pytest
+from command_line import Cli
 from run_files import tree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    from conftest import Answer
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="the system has no process groups")
 
@@ -101,7 +96,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def made_again(folder: Path, cli: Callable[..., Answer], change: Callable[[], Any], *words: str) -> set[str]:
+def made_again(folder: Path, cli: Cli, change: Callable[[], Any], *words: str) -> set[str]:
     """What a resumed run makes again after a change; its output is the one of a run from nothing."""
     cli("run", "run.yaml", "--quiet")
     before = {path.stem: path.stat().st_mtime_ns for path in (folder / "out").glob("*.urdf")}
@@ -115,7 +110,7 @@ def made_again(folder: Path, cli: Callable[..., Answer], change: Callable[[], An
 
 @pytest.mark.parametrize("changed", ["arm.csv", "difference.csv", "link.stl"])
 def test_a_cell_is_made_again_when_an_arm_of_it_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Callable[..., Answer], changed: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli, changed: str
 ) -> None:
     """The table of the arm, its calibration or its mesh: the arm and the cell are other ones, and the second cell not."""
     monkeypatch.chdir(tmp_path)
@@ -146,9 +141,7 @@ output: {directory: out}
 @pytest.mark.parametrize(
     ("before", "after"), [("output.size=7", "output.size=3"), ("inputs=arm*.csv", "inputs=arm[0-4].csv")]
 )
-def test_a_shard_has_what_the_manifest_has_and_nothing_else(
-    folder: Path, cli: Callable[..., Answer], before: str, after: str
-) -> None:
+def test_a_shard_has_what_the_manifest_has_and_nothing_else(folder: Path, cli: Cli, before: str, after: str) -> None:
     """Shards are those of a run from nothing; of smaller ones, the first kept what is in the next ones, too."""
     shards = ("--quiet", "--set", "output.layout=shards", "--set", "report.html=false")
     cli("run", "run.yaml", *shards, "--set", before)

@@ -1,20 +1,15 @@
 """Resumed runs after files were damaged or code has changed: nothing old is passed off as new."""
 
-from __future__ import annotations
-
 import hashlib
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
+from typing import Any
 
 import pytest
+from command_line import Cli
 from run_files import tree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    from conftest import Answer
 
 LAYOUTS = {"files": "", "shards": ", layout: shards, size: 4"}
 TABLE = "# convention: standard\nrobot, joint, a, alpha, d\nr1, j1, 0.4, pi/2, 0.1\nr1, j2, 0.3, 0, 0\n"
@@ -51,7 +46,7 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_damaged_files_are_written_anew(folder: Path, cli: Callable[..., Answer], layout: str) -> None:
+def test_damaged_files_are_written_anew(folder: Path, cli: Cli, layout: str) -> None:
     """Whatever has happened to a file or a shard, a resumed run leaves the bytes of one that was never interrupted."""
     (folder / "run.yaml").write_text(run(layout))
     words = ("run", "run.yaml", "--quiet")
@@ -66,7 +61,7 @@ def test_damaged_files_are_written_anew(folder: Path, cli: Callable[..., Answer]
         assert tree(folder / "out") == whole, what
 
 
-def test_a_sound_shard_is_not_written_again(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_a_sound_shard_is_not_written_again(folder: Path, cli: Cli) -> None:
     """Of three shards, one of which is damaged, the other two keep their time of modification."""
     (folder / "run.yaml").write_text(run("shards"))
     words = ("run", "run.yaml")

@@ -1,19 +1,14 @@
 """Files that have the ending of another kind: each reader says what the file really is."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import zipfile
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import Dh2UrdfError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def _workbook() -> bytes:

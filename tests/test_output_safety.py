@@ -1,7 +1,5 @@
 """What the command leaves in the output folder, whatever tables are called and whatever happens meanwhile."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -11,17 +9,15 @@ import subprocess
 import sys
 import time
 import unicodedata
+from collections.abc import Callable, Iterable
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from child_python import python
 from interrupted import at_every_step
 from lxml import etree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 MAIN = "from dh2urdf.cli import main; main()"
 INTERRUPTED = "dh2urdf: interrupted; nothing half-written is left; `--resume` goes on from there\n"

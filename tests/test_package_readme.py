@@ -1,7 +1,5 @@
 """The README that a package index shows: no link in it needs a file beside it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

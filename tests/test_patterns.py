@@ -1,7 +1,5 @@
 """What is set in type, and what has two meanings: as texts, before any number is read."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,20 +1,15 @@
 """Two plugins with one name, and plugins that are left out: by the commands, as a person types them."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
 from dh2urdf import __version__
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    Command = Callable[..., CompletedProcess[str]]
+Command = Callable[..., CompletedProcess[str]]
 
 STAGES = """
 from pathlib import Path

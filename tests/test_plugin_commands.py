@@ -1,10 +1,10 @@
 """Commands that plugins add: those of third parties, and a host without `check`, `studio` and `view`."""
 
-from __future__ import annotations
-
+import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from child_python import python
@@ -15,11 +15,7 @@ from dh2urdf.isolation.attribution import Plugin
 from dh2urdf.plugin_system import Catalog
 from dh2urdf.stages import Subcommand
 
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Callable
-
-    Called = Callable[..., tuple[str, str]]
+Called = Callable[..., tuple[str, str]]
 
 ROOT = Path(__file__).parents[1]
 LAB = """

@@ -1,16 +1,15 @@
 """The pages for authors of plugins are true: their code is run, and their clauses are those of the contracts."""
 
-from __future__ import annotations
-
 import inspect
 import os
 import re
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from lxml import etree
@@ -29,10 +28,6 @@ from dh2urdf.testing import (
     do_run,
 )
 from dh2urdf.testing.stage_contract import InputContract, StageContract
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "plugins.md"

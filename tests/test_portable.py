@@ -4,14 +4,13 @@
 the written file and the reader. docs/simulators.md and docs/profiles.md say what is expected of whom.
 """
 
-from __future__ import annotations
-
 import ctypes
 import json
 import shutil
 import subprocess
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -22,13 +21,9 @@ from dh2urdf.cli import exit_status_of
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import JointType
 from dh2urdf_plugins.formats.urdf.reader import read_urdf
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import ReferenceRobot
-
-    Poses = Sequence[tuple[dict[str, float], dict[str, np.ndarray]]]
+Poses = Sequence[tuple[dict[str, float], dict[str, np.ndarray]]]
 
 TABLES = Path(__file__).parents[1] / "configs" / "tables"
 REFERENCE = Path(__file__).with_name("reference") / "robots.json"

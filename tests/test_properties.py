@@ -1,10 +1,8 @@
 """Any table, as a file, against the DH product: what the whole chain from text to text has to keep."""
 
-from __future__ import annotations
-
 import tempfile
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,9 +16,6 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.testing.oracle import table_pose
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 FRAMES = ("aligned", "dh")
 CATALOG = load()

@@ -1,7 +1,5 @@
 """Pages, docstrings, comments and messages are written in plain English: words that nobody uses keep out."""
 
-from __future__ import annotations
-
 import io
 import re
 import tokenize

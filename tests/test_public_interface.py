@@ -5,25 +5,21 @@
 first release there is none, and nothing to compare with.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib
 import inspect
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, TypeVar, TypeVarTuple
+from typing import Any, TypeVar, TypeVarTuple
 
 import pytest
 
 from dh2urdf.hookspecs import INTERFACE_VERSION
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "compatibility.md"

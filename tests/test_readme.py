@@ -4,14 +4,12 @@ The two blocks that set a machine up are run word for word by `.ci/run`; all oth
 are as small as it says is a fact of tests/test_main_job.py.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -19,10 +17,6 @@ import pytest
 
 from dh2urdf.cli import dh2urdf as program
 from dh2urdf.plugin_system import load
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"

@@ -1,23 +1,19 @@
 """Published tables, from table files through the command line to files, against their publishers' own kinematics."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from command_line import Cli
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
 from dh2urdf.manipulator import Inertia, Manipulator
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import Answer, ReferenceRobot
+from reference_arms import ReferenceRobot
 
 FACTS = Path(__file__).with_name("reference") / "robots.json"
 
@@ -103,7 +99,7 @@ def test_masses_that_no_body_can_have_are_refused(
     name: str,
     reference_robots: Sequence[ReferenceRobot],
     as_table: Callable[..., str],
-    cli: Callable[..., Answer],
+    cli: Cli,
     tmp_path: Path,
 ) -> None:
     """The published mass properties of three arms are those of no body: the rule is named, and nothing is written."""
@@ -118,7 +114,7 @@ def test_masses_that_no_body_can_have_are_refused(
 
 
 def test_masses_that_a_body_can_have_are_written(
-    reference_robots: Sequence[ReferenceRobot], as_table: Callable[..., str], cli: Callable[..., Answer], tmp_path: Path
+    reference_robots: Sequence[ReferenceRobot], as_table: Callable[..., str], cli: Cli, tmp_path: Path
 ) -> None:
     """The Panda's published masses are those of its links in the file."""
     panda = with_masses(next(robot for robot in reference_robots if robot.id == "rtb_Panda"))

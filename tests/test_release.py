@@ -1,7 +1,5 @@
 """`.ci/release --dry-run` names everything that keeps a version from being released."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

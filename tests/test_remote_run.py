@@ -1,20 +1,13 @@
 """Runs whose output goes to an object store: a real server on loopback."""
 
-from __future__ import annotations
-
 import hashlib
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
-from dh2urdf.output.store import open_store
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    from dh2urdf.output.store import Store
+from dh2urdf.output.store import Store, open_store
 
 RUN = """\
 inputs: arms.csv

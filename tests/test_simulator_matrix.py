@@ -4,33 +4,26 @@
 what tests/plugins/loaders/test_coppeliasim_arms.py has kept of the real one, which that test asks where there is one.
 """
 
-from __future__ import annotations
-
 import fcntl
 import json
 import math
 import os
 import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from lxml import etree
 
 from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import PluginError
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.rotations import norm
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from conftest import ReferenceRobot
-
-    from dh2urdf.manipulator import Manipulator
-
-    Matrix = Mapping[str, Mapping[str, Any]]
+Matrix = Mapping[str, Mapping[str, Any]]
 
 PAGE = Path(__file__).parents[1] / "docs" / "simulators.md"
 TABLE = re.compile(r"(?<=<!-- matrix: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!-- /matrix -->)", re.DOTALL)

@@ -1,7 +1,5 @@
 """The pages of tables are true: every example is read, every word is known, every bound is the constant's."""
 
-from __future__ import annotations
-
 import csv as python_csv
 import datetime as dt
 import math
@@ -9,9 +7,10 @@ import re
 import shlex
 import sys
 import zipfile
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import openpyxl
@@ -25,6 +24,7 @@ from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.quantities import UNITS, grammar as expressions, unit_word
 from dh2urdf.rotations import RigidTransform
+from dh2urdf.stages import Reader
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.comments import declared, top
@@ -39,11 +39,6 @@ from dh2urdf_plugins.readers.sources import (
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.tables import row_table
 from dh2urdf_plugins.readers.words import bounds as table_bounds, fields, names
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from dh2urdf.stages import Reader
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = (DOCS / "tables.md", *sorted((DOCS / "tables").glob("*.md")))

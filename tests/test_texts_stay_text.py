@@ -1,29 +1,21 @@
 """Names from a user's file are text in all that is written for people: Markdown, and tables that spreadsheets open."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from html.parser import HTMLParser
-from typing import TYPE_CHECKING
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from command_line import Cli
 from markdown import markdown
 from markdown_it import MarkdownIt
 
 import dh2urdf as api
 from dh2urdf.source import markdown_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 RENDERERS: dict[str, Callable[[str], str]] = {
     "Python-Markdown": lambda text: markdown(

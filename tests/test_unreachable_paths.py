@@ -1,21 +1,12 @@
 """Paths that the system refuses to look at: names that are too long, links in a circle, folders without permission."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from command_line import Answer, Cli
 from permissions import ordinary, pytest_linux
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 ROOT = Path(__file__).parents[1]
 LONG = "x" * 300

@@ -3,8 +3,6 @@
 `test_a_new_field` makes the first one, a number of the rows of a table.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Random variation sections through whole runs: a bounded part of `fuzz/variations.py`, and that it finds what is wrong."""
 
-from __future__ import annotations
-
 import random
 import tempfile
 from pathlib import Path

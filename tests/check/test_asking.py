@@ -1,14 +1,14 @@
 """`dh2urdf check` asks the programs that are installed: what they refuse, print, lose and change is seen."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 from consumers import require
 from faulty_files import collada
 
@@ -17,13 +17,6 @@ from dh2urdf.plugin_system.catalog import load
 from dh2urdf.stages import Question
 from dh2urdf_check.ask import urdfdom
 from dh2urdf_check.ask.asking import Asked, answering, programs
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 BODY = '<inertial><mass value="{}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
 JOINT = (

@@ -1,20 +1,11 @@
 """`dh2urdf check` as people and scripts call it."""
 
-from __future__ import annotations
-
 import json
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
+from command_line import Cli
 
 TABLE = "# convention: standard\njoint, a, alpha, d\nfirst, 0.4, pi/2, 0.1\nsecond, 0.3, 0, 0\n"
 

@@ -1,20 +1,11 @@
 """`dh2urdf check` of folders and of several files."""
 
-from __future__ import annotations
-
 import json
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
+from command_line import Cli
 
 LINK = '<?xml version="1.0"?>\n<robot name="{}">\n  <link name="base_link"/>\n  {}\n</robot>\n'
 FILES = ("a/arm.urdf.xacro", "a/sound.xml", "one.urdf", "package.xml", "two.urdf")

@@ -4,23 +4,19 @@ CI has no CoppeliaSim: what 4.10.0 did is kept in `coppeliasim_4_10_0.json`. Whe
 `coppeliasim_server` beside the loaders' tests), it is asked again; `--renew` keeps what it did.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import socket
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from faulty_files import PROOFS, SOUND, write_all
 
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.rules import Outcome, rules
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 pytest.importorskip("coppeliasim_zmqremoteapi_client")
 pytest.importorskip("zmq")

@@ -1,9 +1,7 @@
 """What is fixed is right, and every other byte is as it was."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from faulty_files import ELBOW_AXIS, LINK_2_INERTIA, SOUND
@@ -11,9 +9,6 @@ from faulty_files import ELBOW_AXIS, LINK_2_INERTIA, SOUND
 from dh2urdf.errors import InputError
 from dh2urdf_check.fixing import fixed
 from dh2urdf_check.inspection import inspect_urdf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FAULTS = {
     "axis-not-unit": (ELBOW_AXIS, "<axis  xyz = '0 2 0' />", "<axis  xyz = '0 1 0' />"),

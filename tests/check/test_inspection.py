@@ -20,10 +20,9 @@ from dh2urdf_check.numbers import numbers_of
 from dh2urdf_plugins.formats.urdf import EMITTER
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
+from reference_arms import ReferenceRobot
 
 if TYPE_CHECKING:
-    from conftest import ReferenceRobot
-
     from dh2urdf_plugins.formats.urdf import ProfileName
 
 EXPECTED = {

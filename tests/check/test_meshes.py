@@ -1,27 +1,21 @@
 """Mesh files: those without a mesh, their sides, and the headers of COLLADA files."""
 
-from __future__ import annotations
-
 import re
 import struct
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from consumers import behaviours, require
 from faulty_files import BOX, CYLINDER, SOUND, collada, write_meshes
 from foretelling import effects_of, unforeseen
 
+from dh2urdf.rotations import Vec3
 from dh2urdf_check import meshes
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.meshes import read_meshes
 from dh2urdf_check.rules import Outcome
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.rotations import Vec3
 
 
 def stl(*corners: tuple[float, float, float]) -> bytes:

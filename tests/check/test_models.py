@@ -14,13 +14,12 @@ from consumers import behaviours, require
 from faulty_files import MJCF, MODEL_PROOFS as PROOFS, SDF, SOUND_OF as SOUND, line_of, write_models
 from lxml import etree
 
+from dh2urdf.stages import Inspection
 from dh2urdf_check.inspection import MODEL_CONSUMERS as CONSUMERS, inspect_mjcf, inspect_sdf, model_rules
 from dh2urdf_check.rules import Outcome
 
 if TYPE_CHECKING:
     from consumers import Behaviour
-
-    from dh2urdf.stages import Inspection
 
 
 @pytest.fixture(scope="module")

@@ -1,17 +1,12 @@
 """Descriptions with a single oddity each: every reader loads them, or does not, as the findings foretell."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from consumers import require
 from faulty_files import CYLINDER, ELBOW, ELBOW_LIMIT, END, LINK_2_BODY, LINK_2_INERTIA, SOUND, write_meshes
 from foretelling import unforeseen
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FIRST = '<joint name="base_link-base_link_inertia" type="fixed">'
 SHOULDER = '<joint name="shoulder" type="revolute">'

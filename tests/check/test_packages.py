@@ -1,26 +1,20 @@
 """Every rule about packages of ROS 2 against a package that breaks it, and what colcon's own parser makes of it."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 import yaml
 
-from dh2urdf.stages import Expansion
+from dh2urdf.stages import Expansion, Finding
 from dh2urdf_check.packages import inspect_package, package_rules
 from dh2urdf_check.rules import Outcome
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from dh2urdf.stages import Finding
-
-    Cli = Callable[..., Any]
+Cli = Callable[..., Any]
 
 pytest.importorskip("pinocchio")
 

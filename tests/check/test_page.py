@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,8 +20,6 @@ from dh2urdf_check.packages import CONSUMERS as PACKAGE_CONSUMERS, package_rules
 from dh2urdf_check.rules import CONSUMERS, GROUPS, rules_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
     from dh2urdf_check.rules import Rule
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -1,26 +1,17 @@
 """`dh2urdf check` where people work: the hook of pre-commit, the action of GitHub, and rules that explain themselves."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 import yaml
+from command_line import Cli
 
 from dh2urdf_check.rules import address_of, tables
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 ROOT = Path(__file__).parents[2]
 GOOD = (

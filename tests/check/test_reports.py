@@ -1,16 +1,11 @@
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from dh2urdf.source import Mark
 from dh2urdf.stages import Effect, Finding
 from dh2urdf_check.reports import as_sarif, counts
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MILD = Effect(consumer="one", severity="note", text="says so")
 BAD = Effect(consumer="two", severity="warning", text="reads it otherwise")

@@ -1,27 +1,21 @@
 """Every rule against a file that breaks it, and every sentence of the table against the consumer that it speaks of."""
 
-from __future__ import annotations
-
 import math
 import os
 import re
 import shutil
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 import pytest
 from consumers import Behaviour, behaviours, require
 from faulty_files import CYLINDER, ELBOW_AXIS, ELBOW_LIMIT, END, PROOFS, SOUND, UNPROVED, faulty, line_of, write_all
 from foretelling import descriptions, findings_of
 
-from dh2urdf.stages import Expansion
+from dh2urdf.stages import Expansion, Finding
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_check.rules import CONSUMERS, Outcome, rules, rules_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from dh2urdf.stages import Finding
 
 OF_ANY_FILE = {"root-without-inertial", "fixed-link", "named-colour", "free-root", "empty-root", "usd-name"}
 """Notes of every file that a person would call right."""

@@ -1,18 +1,12 @@
 """`check` names every file that a description includes and that it does not look into."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
 
 import pytest
 
+from dh2urdf.stages import Finding
 from dh2urdf_check.inspection import inspect_mjcf, inspect_sdf, inspect_urdf, inspect_xacro
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from dh2urdf.stages import Finding
 
 SPACES = 'xmlns:xi="http://www.w3.org/2001/XInclude" xmlns:xacro="http://ros.org/wiki/xacro"'
 URDF = f"""<?xml version="1.0"?>

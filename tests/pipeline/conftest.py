@@ -1,19 +1,12 @@
 """Places for the output of runs."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from dh2urdf.output.remote_store import RemoteStore
-from dh2urdf.output.store import open_store
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.output.store import Store
+from dh2urdf.output.store import Store, open_store
 
 
 @pytest.fixture(params=["local", "memory", "s3", "folders"])

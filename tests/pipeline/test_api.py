@@ -1,24 +1,15 @@
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError, EmitterError, InputError, OutputError, TableError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ARMS = "# convention: standard\nrobot,a,alpha,d\nleft,0.4,0,0.1\nbad,0.4,ninety,0.1\nright,0.3,0,0.1\n"

@@ -1,8 +1,7 @@
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from random import Random
+from typing import Any
 
 from hypothesis import given, strategies as st
 
@@ -10,9 +9,6 @@ from dh2urdf.columns import columns_of, in_columns
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
-
-if TYPE_CHECKING:
-    from random import Random
 
 NUMBERS = st.one_of(st.sampled_from([0.0, 0.5, 1, -2]), st.floats(allow_nan=False, allow_infinity=False))
 

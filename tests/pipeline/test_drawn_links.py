@@ -1,14 +1,14 @@
 """Links whose meshes, centres of mass and inertias stay when lengths change: told with the gap, once."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 from solids import STL
 
 import dh2urdf
@@ -16,12 +16,6 @@ from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator, MeshFile, MeshShape
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.variations.drawn_links import mesh_gap, other_lengths, torn_links
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 TORN = """\
 name: torn
@@ -150,7 +144,7 @@ class TestChangedLengths:
         assert notice.code == "mesh-off-drawn-link"
         assert all(word in notice.message for word in ("'link_1'", "175 mm"))
 
-    def test_a_variation_says_it_once(self, folder: Path, cli: Callable[..., Answer]) -> None:
+    def test_a_variation_says_it_once(self, folder: Path, cli: Cli) -> None:
         """Of 300 variants the first, with the farthest that the law draws; a variation of other fields says nothing."""
         (folder / "run.yaml").write_text(
             "inputs: good.yaml\noutput: out\n"

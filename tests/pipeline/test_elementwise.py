@@ -1,7 +1,6 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,6 @@ from dh2urdf.rotations import (
     smaller_of,
     where,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 PAIRS = st.lists(st.tuples(FINITE, FINITE), min_size=1, max_size=6)

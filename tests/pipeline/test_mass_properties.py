@@ -1,11 +1,10 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
+from numpy.typing import NDArray
 
 from dh2urdf.columns import replaced, stacked
 from dh2urdf.kinematics.mass import (
@@ -21,9 +20,6 @@ from dh2urdf.kinematics.mass import (
 from dh2urdf.manipulator import Inertia
 from dh2urdf.robot import Box, Cylinder, Geometry, Inertial, Sphere
 from dh2urdf.rotations import RigidTransform, rotation_from_rpy
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 sizes = st.floats(0.01, 3)
 angles = st.floats(-3.2, 3.2)

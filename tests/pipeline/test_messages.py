@@ -1,7 +1,5 @@
 """Sentences of problems are data: every code that the program names has an entry, and every entry is named."""
 
-from __future__ import annotations
-
 import ast
 import string
 import tomllib

@@ -1,12 +1,11 @@
 """No field of a record and no argument of a function is without effect: one changes, and the result or a message does."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -28,9 +27,6 @@ from dh2urdf.manipulator import (
     Payload,
 )
 from dh2urdf.rotations import IDENTITY, RigidTransform
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 UR5 = CONFIGS / "tables" / "ur5.csv"

@@ -1,7 +1,5 @@
 """Whatever is put into a field of a record: the arm that was meant, or an error that names the field."""
 
-from __future__ import annotations
-
 import math
 import typing
 from dataclasses import fields, is_dataclass, replace

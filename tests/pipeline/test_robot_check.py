@@ -1,9 +1,8 @@
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,10 +27,6 @@ from dh2urdf.robot import (
 )
 from dh2urdf.robot_check import check_robot, sure_columns
 from dh2urdf.source import Mark
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 BODY = Inertial(mass=1.0, inertia=Inertia(ixx=1.0, iyy=1.0, izz=1.0))
 FRAME = Inertial(mass=0.0)

@@ -1,18 +1,19 @@
-from __future__ import annotations
-
 import math
+from collections.abc import Sequence
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.typing import NDArray
 
 from dh2urdf.rotations import (
     HALF_PI,
     IDENTITY,
     IDENTITY_ROTATION,
     RigidTransform,
+    Rotation,
+    Vec3,
     add,
     cos_sin,
     exact_cos_sin,
@@ -29,13 +30,6 @@ from dh2urdf.rotations import (
     subtract,
     transpose,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from dh2urdf.rotations import Rotation, Vec3
 
 EXACT = 1e-15
 """Rounding of a few operations on numbers up to 1."""

@@ -1,26 +1,18 @@
-from __future__ import annotations
-
 import tomllib
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 from trove_classifiers import classifiers
 
 from dh2urdf import __version__
 from dh2urdf.plugin_system import KINDS
 from dh2urdf.scaffold import LONGEST
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    from dh2urdf.stages import Kind
+from dh2urdf.stages import Kind
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_whole_distribution_is_written(cli: Callable[..., Answer], tmp_path: Path, kind: Kind) -> None:
+def test_a_whole_distribution_is_written(cli: Cli, tmp_path: Path, kind: Kind) -> None:
     """What it is made of, and nothing else; its entry point leads to the package with the hook."""
     said = cli("new-plugin", "dh2urdf-lab-7", "--kind", kind).stdout
     folder = tmp_path / "dh2urdf-lab-7"
@@ -49,7 +41,7 @@ def test_a_whole_distribution_is_written(cli: Callable[..., Answer], tmp_path: P
     assert list(tmp_path.iterdir()) == [folder]
 
 
-def test_it_goes_where_it_is_told(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_it_goes_where_it_is_told(cli: Cli, tmp_path: Path) -> None:
     """`--dir` names the folder that the distribution's own is made in."""
     (tmp_path / "inner").mkdir()
     cli("new-plugin", "lab", "--kind", "reader", "--dir", "inner")
@@ -60,16 +52,14 @@ NAMES = ("My_Lab", "7lab", "lab--7", "", "łab", "../lab", "a" * (LONGEST + 1), 
 
 
 @pytest.mark.parametrize("words", [*((name,) for name in (*NAMES, "urdf", "dh2urdf-urdf")), ("lab", "--dir", "labz")])
-def test_a_name_that_cannot_be_given_writes_nothing(
-    cli: Callable[..., Answer], tmp_path: Path, words: tuple[str, ...]
-) -> None:
+def test_a_name_that_cannot_be_given_writes_nothing(cli: Cli, tmp_path: Path, words: tuple[str, ...]) -> None:
     """None, one of Python's or of what is installed, one that a stage has; nor goes it into a folder that is not there."""
     name, *others = words
     cli("new-plugin", "--kind", "emitter", *others, "--", name, status=2)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_nothing_is_overwritten(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_nothing_is_overwritten(cli: Cli, tmp_path: Path) -> None:
     """Whatever is in the place, a file or a folder or a link to nothing, stays as it is."""
     (tmp_path / "file").write_text("mine")
     (tmp_path / "folder").mkdir()

@@ -1,22 +1,17 @@
 """In Python, what a careful person would look at is a warning: `dh2urdf.TableWarning`, once each, at the caller's line."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 import dh2urdf
 from dh2urdf.source import Mark
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 
 IN_MM = np.array([[0, 0, 0, 340], [-np.pi / 2, 0, 0, 0], [np.pi / 2, 0, 0, 400]])
 HOW: dict[str, Any] = {"columns": ["alpha", "a", "theta", "d"], "convention": "modified"}

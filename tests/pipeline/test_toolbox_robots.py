@@ -1,20 +1,16 @@
 """Robots of the Robotics Toolbox for Python as tables: T(q) of the toolbox itself, and attributes as it documents them."""
 
-from __future__ import annotations
-
 import inspect
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import dh2urdf
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.manipulator import Convention, JointType
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 def rigid(axis: int, angle: float, x: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:

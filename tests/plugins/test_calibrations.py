@@ -1,22 +1,17 @@
 """Calibrations: differences that are added to the rows of a table."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import dh2urdf
 from dh2urdf.errors import Dh2UrdfError, OutputError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from numpy.typing import NDArray
 
 UR3 = """# convention: standard
 joint,a,alpha,d,theta

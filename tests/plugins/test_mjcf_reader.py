@@ -1,8 +1,7 @@
 """The reader of MJCF beside MuJoCo: what it and the studio take that the emitter would never write."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +11,10 @@ from dh2urdf.kinematics import KinematicChain, link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
+from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_plugins.descriptions.description import describe
 from dh2urdf_plugins.formats import foreign_mjcf
 from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.stages.foreign_robot import ForeignRobot
 
 mujoco = pytest.importorskip("mujoco")
 

@@ -1,8 +1,6 @@
 """The reader of SDF beside Drake's: files that the emitter would never write; each case was once another arm, or refused."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +14,6 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf_plugins.formats import foreign_sdf
 from dh2urdf_plugins.formats.sdf.reader import parse_sdf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 INERTIAL = "<inertial><mass>2</mass><inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz></inertia></inertial>"
 FOREIGN = f"""<?xml version="1.0"?>

@@ -1,7 +1,7 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,10 +11,6 @@ from dh2urdf.robot import Box, Cylinder, Inertial, Material, Mesh, Origin, Robot
 from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf
 from dh2urdf_plugins.formats.sdf.reader import parse_sdf
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf, read_urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 ARM = """<?xml version="1.0"?>
 <robot name="arm">

@@ -1,11 +1,10 @@
-from __future__ import annotations
-
 import random
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
@@ -16,17 +15,12 @@ from dh2urdf.conversion.robots import make_robot
 from dh2urdf.manipulator import Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.robot import Joint, Robot
 from dh2urdf.rotations import is_column
 from dh2urdf_plugins.formats.urdf import forms, scanner as urdf_scanner
 from dh2urdf_plugins.formats.urdf.reader import model_of, parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from conftest import ReferenceRobot
-
-    from dh2urdf.robot import Joint, Robot
+from reference_arms import ReferenceRobot
 
 CATALOG = load()
 FRAMES = ("aligned", "dh")

@@ -1,14 +1,10 @@
 """Where Drake has the links and frames of an SDF: what the reader of SDF is held against."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def drake_plant(path: Path) -> Any:

@@ -4,8 +4,6 @@ A script for a process of its own, that has the library preloaded: ``failing_dis
 try is a fork, in a copy of the folder. Prints for each a line of JSON: call, number, exit status, standard error.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import errno

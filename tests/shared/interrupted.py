@@ -1,10 +1,8 @@
 """An interrupt at every step of some work."""
 
 import sys
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 
 def at_every_step(work: "Callable[[], object]", most: int = 1000) -> "Iterator[bool]":

@@ -1,7 +1,5 @@
 """Records of stages with one field changed, of the record or of one of its capabilities."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Other words in every message, as `pytest --other-words` has them: which tests ask what is said, and which what is done?"""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

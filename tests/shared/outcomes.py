@@ -1,9 +1,7 @@
 """What comes of a call, to be compared with what comes of another."""
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from collections.abc import Callable
+from typing import Any
 
 
 def outcome(call: "Callable[[], Any]") -> Any:

@@ -1,17 +1,12 @@
 """Commands that permissions hold, as those of an ordinary user, also where root runs the tests."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytest_linux = pytest.mark.skipif(sys.platform != "linux", reason="permissions are those of Linux")
 

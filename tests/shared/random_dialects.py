@@ -1,22 +1,17 @@
 """Tables of random arms in random dialects of CSV."""
 
-from __future__ import annotations
-
 import codecs
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 from hypothesis import strategies as st
 
 from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from dh2urdf.stages import Rejected
 
 LENGTH_UNITS = {"m": 0, "cm": 2, "mm": 3, "µm": 6}
 HEADERS = {

@@ -1,10 +1,7 @@
 """What a run has left, to be compared with what another one leaves."""
 
 import hashlib
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 
 def tree(folder: "Path") -> dict[str, str]:

@@ -1,16 +1,11 @@
 """sdformat, called as its command `gz sdf` calls it: a program of Ruby, which takes as long to start as a call takes."""
 
-from __future__ import annotations
-
 import ctypes.util
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SDFORMAT = next((name for v in range(15, 11, -1) if (name := ctypes.util.find_library(f"sdformat{v}"))), None)
 FUNCTIONS = {"--check": "cmdCheck", "--print": "cmdPrint"}

@@ -1,21 +1,16 @@
 """Stages of tests, by which the core is tried without any built-in plugin: robots are pickled, and read back so."""
 
-from __future__ import annotations
-
 import pickle
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dh2urdf.manipulator import Convention, DHRow, Limits, Manipulator
 from dh2urdf.plugin_system.calls import Call
+from dh2urdf.robot import Robot
 from dh2urdf.stages import EmittedFile, Emitter, KeepsKinematics, NoOptions, ReadsBack, Transform
 from dh2urdf.testing import plain_robot
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.robot import Robot
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 import zlib
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from pathlib import Path
@@ -21,19 +22,15 @@ import pytest
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.plugin_system import load
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system import Catalog, load
+from dh2urdf.table_text import TableText
 from dh2urdf_studio.editing.edits import kept_text, with_cells
 from dh2urdf_studio.editing.opening import gallery, gallery_table
 from dh2urdf_studio.editing.reading import read_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
     from playwright.sync_api import Browser, BrowserContext, Locator, LocatorAssertions, Page
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system import Catalog
-    from dh2urdf.table_text import TableText
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or ""
 ARGUMENTS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")

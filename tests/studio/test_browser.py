@@ -1,25 +1,18 @@
 """The studio in a real browser: what a person sees and does."""
 
-from __future__ import annotations
-
 import itertools
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-from dh2urdf.manipulator import Convention
+from dh2urdf.manipulator import Convention, Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.editing import save
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system import Catalog
-
 
 pytestmark = pytest.mark.long
 

@@ -1,22 +1,17 @@
 """What people do all day in the studio, in a real browser: undo, copy, cut, paste, look, and lose the connection."""
 
-from __future__ import annotations
-
 import csv
 import itertools
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.manipulator import Manipulator
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
+from dh2urdf.plugin_system import Catalog
 
 pytestmark = pytest.mark.long
 TABLES = Path(__file__).parents[2] / "configs" / "tables"

@@ -1,17 +1,13 @@
 """Links dragged by the mouse, what is seen through, the axes of the world, and the camera that goes after an arm."""
 
-from __future__ import annotations
-
 import io
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 pytestmark = pytest.mark.long
 ROBOT = """<robot name="r">

@@ -1,7 +1,5 @@
 """A server that answers late: cursor, focus and picked row are the browser's, and no answer moves them."""
 
-from __future__ import annotations
-
 import random
 from contextlib import suppress
 from typing import Any

@@ -1,14 +1,10 @@
 """How the pages look: light, dark, for a projector, and on screens of every width; in a real browser."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 pytestmark = pytest.mark.long
 TABLES = Path(__file__).parents[2] / "configs" / "tables"

@@ -1,19 +1,14 @@
 """Notices: they go with their table, lie over no question, ask with buttons, and are text whatever they quote."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.editing.opening import gallery_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 pytestmark = pytest.mark.long
 WRONG = "# convention: standard\njoint,type,a,alpha,d\nj1,revolute,0.15,0,0.2\nj2,revolute,0.1x2,pi,0\n"

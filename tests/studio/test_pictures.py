@@ -1,7 +1,5 @@
 """The pictures of docs/studio: taken in the browser with `pytest --renew`, and shown on the pages."""
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 

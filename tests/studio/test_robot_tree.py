@@ -1,14 +1,10 @@
 """The tree of robots, links and what they consist of, driven by keyboard and mouse; sliders folded by robot."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 UR5 = Path(__file__).parents[2] / "configs" / "tables" / "ur5.csv"
 GRIPPER = """<robot name="gripper">

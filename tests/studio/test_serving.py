@@ -1,27 +1,22 @@
 """Who may talk to the studio, where it listens, what it keeps of tabs and acts, and what its commands refuse."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 pytest.importorskip("nicegui")
 
+from pathlib import Path
+
+from command_line import Cli
 from nicegui import Client
 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf_studio import app, server
 from dh2urdf_studio.server import Guard
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 GUARD = Guard(None, 8420, ["robot-pc"])  # type: ignore[arg-type]  # only its judgement is asked for
 HERE = "127.0.0.1:8420"
@@ -196,9 +191,7 @@ def test_without_nicegui_nothing_is_served(monkeypatch: pytest.MonkeyPatch) -> N
         (["studio", "--port", "http"], ["--port"]),
     ],
 )
-def test_what_is_refused_before_anything_is_served(
-    cli: Callable[..., Answer], tmp_path: Path, words: list[str], told: list[str]
-) -> None:
+def test_what_is_refused_before_anything_is_served(cli: Cli, tmp_path: Path, words: list[str], told: list[str]) -> None:
     """The file, the place and what there is to choose from are named; of several wrong files all are."""
     head = "# convention: standard\n"
     (tmp_path / "two.csv").write_text(f"{head}robot,a,alpha,d\nfirst,1,0,0\nsecond,2,0,0\n")

@@ -1,15 +1,10 @@
 """A person who is faster than the network: what is done while answers are on their way is neither lost nor undone."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 pytestmark = pytest.mark.long
 HELD = """{

@@ -1,23 +1,18 @@
 """`dh2urdf view` in a real browser."""
 
-from __future__ import annotations
-
 import io
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 from PIL import Image
 
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
 
 pytestmark = pytest.mark.long
 CONFIGS = Path(__file__).parents[2] / "configs"

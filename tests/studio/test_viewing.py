@@ -1,7 +1,6 @@
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,13 +9,9 @@ import trimesh
 import dh2urdf
 from dh2urdf.errors import InputError
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.robot import Mesh
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

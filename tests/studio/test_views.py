@@ -1,7 +1,5 @@
 """The standard views, by the menu, by keys and by the cube; perspective and orthographic."""
 
-from __future__ import annotations
-
 import base64
 import io
 from typing import Any

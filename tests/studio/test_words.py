@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 
 from dh2urdf.rotations import RigidTransform

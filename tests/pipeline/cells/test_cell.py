@@ -1,13 +1,13 @@
-from __future__ import annotations
-
 import json
 import math
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 from hypothesis import given, strategies as st
 
 import dh2urdf
@@ -31,12 +31,7 @@ from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer, ReferenceRobot
+from reference_arms import ReferenceRobot
 
 TRACK = Manipulator(
     name="track",
@@ -349,7 +344,7 @@ four,0.4,0,0,1e400
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_cell_that_cannot_be_made_fails_alone(cli: Callable[..., Answer], tmp_path: Path, workers: str) -> None:
+def test_a_cell_that_cannot_be_made_fails_alone(cli: Cli, tmp_path: Path, workers: str) -> None:
     """Every cell is a row of the report, with its reason; all else is made, in any number of processes."""
     (tmp_path / "run.yaml").write_text(RUN)
     (tmp_path / "arms.csv").write_text(ARMS)

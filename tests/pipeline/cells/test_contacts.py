@@ -1,29 +1,21 @@
 """Arms of a cell that overlap where they start: the notice against PyBullet's shapes, and what is no overlap."""
 
-from __future__ import annotations
-
 import json
 import random
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall
 from dh2urdf.conversion.one_manipulator import Call
 from dh2urdf.conversion.robots import make_item
-from dh2urdf.robot import Origin
+from dh2urdf.robot import Origin, Robot
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer  # type: ignore[import-not-found]
-
-    from dh2urdf.robot import Robot
 
 TABLES = Path(__file__).parents[3] / "configs/tables"
 SWAP: Call[Any] = Call(stage=TRANSFORM, options=AlphaSwapOptions())
@@ -119,7 +111,7 @@ def test_far_arms_and_single_arms_have_no_notice() -> None:
     assert overlaps(cell(arm("left"), arm("right", placement=Origin(xyz=(5.0, 0.0, 0.0))))) == []
 
 
-def test_arms_at_one_place_are_reported_once(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_arms_at_one_place_are_reported_once(cli: Cli, tmp_path: Path) -> None:
     """Where two arms have one place, the section says so, and their links need not."""
     (tmp_path / "run.yaml").write_text(
         f"inputs: {TABLES}/ur5.csv\n"

@@ -1,15 +1,16 @@
 """Cells of variants and of varied placements: which cell has which arms, where they stand, and that each is made alone."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from itertools import product
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio
 import pytest
+from command_line import Cli
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.plugin_system import load
@@ -18,12 +19,6 @@ from dh2urdf.run_file.plan import make_plan
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.batch import Expected, batches, items
 from dh2urdf.variations.variation import Variants
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 TABLES = {
     "arm": "# convention: standard\njoint,a,alpha,d,theta\npan,0.1,pi/2,0.3,0\nlift,0.4,0,0,0\nroll,0.2,0.3,0.1,0.5\n",
@@ -51,7 +46,7 @@ def run_file(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
-def made(cli: Callable[..., Answer], run_file: Callable[..., Path], tmp_path: Path) -> Callable[..., dict[str, Any]]:
+def made(cli: Cli, run_file: Callable[..., Path], tmp_path: Path) -> Callable[..., dict[str, Any]]:
     """The rows of the manipulators of a run, by their names."""
 
     def run(cells: str, *words: str, count: int = 3) -> dict[str, Any]:
@@ -231,7 +226,7 @@ cells:
     assert len(rows) == 2 + 6 + 10 + 6
 
 
-def test_an_impossible_variant_fails_its_cell_alone(cli: Callable[..., Answer], run_file: Callable[..., Path]) -> None:
+def test_an_impossible_variant_fails_its_cell_alone(cli: Cli, run_file: Callable[..., Path]) -> None:
     """The message names the arm, and why there is no such variant."""
     cells = """  - {name: u, of: slide, vary: [{joints: 1, field: lower, grid: [0, 2]}]}
 cells: {name: c, arms: [{name: l, of: u}]}
@@ -277,7 +272,7 @@ def test_two_runs_give_the_same_bytes(made: Callable[..., Any], tmp_path: Path, 
     assert len([name for name in answer if name.startswith("c_")]) == 9
 
 
-def test_a_table_that_changes_makes_its_cells_anew(cli: Callable[..., Answer], run_file: Callable[..., Path]) -> None:
+def test_a_table_that_changes_makes_its_cells_anew(cli: Cli, run_file: Callable[..., Path]) -> None:
     """A run that resumes keeps what depends on other tables."""
     path = run_file(VARIED)
     cli("run", path, "-o", path.parent / "out")
@@ -287,7 +282,7 @@ def test_a_table_that_changes_makes_its_cells_anew(cli: Callable[..., Answer], r
     assert "10 made, 7 unchanged" in answer.stdout.replace("\n", " ")  # the slide and nine cells
 
 
-def test_a_dry_run_names_them(cli: Callable[..., Answer], run_file: Callable[..., Path]) -> None:
+def test_a_dry_run_names_them(cli: Cli, run_file: Callable[..., Path]) -> None:
     """It makes their robots, and writes nothing."""
     path = run_file(VARIED)
     answer = cli("run", path, "-o", path.parent / "out", "--dry-run")

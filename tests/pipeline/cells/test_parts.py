@@ -1,9 +1,7 @@
 """Parts of run files: robots from descriptions, as they are, in cells beside manipulators."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +9,9 @@ import pytest
 import dh2urdf
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.robot import Robot
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf
-
-if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
 
 HAND = (Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf").read_text("utf-8")
 TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"

@@ -1,24 +1,19 @@
 """An arm on a track is one chain for whoever asks: its table, its inverse kinematics and its group, against Pinocchio."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from math import cos, sin
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pinocchio
 import pytest
+from command_line import Cli
 from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import RecordError
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import Answer  # type: ignore[import-not-found]
 
 TABLES = Path(__file__).parents[3] / "configs/tables"
 RUN = f"""
@@ -69,9 +64,7 @@ def vectors(joints: Sequence[Any], count: int) -> np.ndarray:
     return np.random.default_rng(7).uniform(lower, upper, (count, len(ends)))
 
 
-def test_extract_prints_one_table(
-    cli: Callable[..., Answer], folder: Path, tmp_path: Path, pose_of: Callable[..., np.ndarray]
-) -> None:
+def test_extract_prints_one_table(cli: Cli, folder: Path, tmp_path: Path, pose_of: Callable[..., np.ndarray]) -> None:
     """The rows of the track, then those of the arm; the product is where Pinocchio has the tool."""
     cli("extract", folder / "cell.urdf", "--tip-link", "rider_tool0", "-o", tmp_path / "chain.yaml")
     chain = dh2urdf.read(tmp_path / "chain.yaml")

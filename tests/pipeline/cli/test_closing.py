@@ -1,29 +1,22 @@
 """What `convert` says when it is done, to people and to programs; standard input, several tables, errors as JSON."""
 
-from __future__ import annotations
-
 import io
 import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 from jsonschema import Draft202012Validator
 from lxml import etree
 
 from dh2urdf.report.schema import conversions_schema, error_schema
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 TABLES = Path(__file__).parents[3] / "configs" / "tables"

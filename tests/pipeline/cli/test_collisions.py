@@ -1,21 +1,12 @@
 """`dh2urdf collisions`: pairs of URDFs and xacros of any origin, in new SRDFs and in earlier ones."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 from lxml import etree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer  # type: ignore[import-not-found]
-
-    Cli = Callable[..., Answer]
 
 pytest.importorskip("pinocchio")
 

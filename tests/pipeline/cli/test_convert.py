@@ -1,21 +1,13 @@
-from __future__ import annotations
-
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from command_line import Cli
 from lxml import etree
 
 from dh2urdf_plugins.formats.xacro.reader import expand
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 ARM = "joint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
 STANDARD = f"# convention: standard\n{ARM}"

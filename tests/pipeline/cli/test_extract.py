@@ -1,29 +1,21 @@
 """`dh2urdf extract` and `dh2urdf.extract()`: tables of descriptions, printed and written."""
 
-from __future__ import annotations
-
 import io
 import math
 import re
 import sys
+from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.errors import InputError, OutputError
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.rotations import add, rotate
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer  # type: ignore[import-not-found]
-
-    Cli = Callable[..., Answer]
 
 UR5 = """# convention: standard
 joint, a,        alpha, d,        lower, upper, velocity, effort

@@ -1,28 +1,20 @@
 """`dh2urdf info`: what it declares about a table is in the table, at the place that it says, and true."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 from jsonschema import Draft202012Validator
 from terminal import on_a_terminal
 
 import dh2urdf
 from dh2urdf.manipulator import JointType
 from dh2urdf.report.schema import info_schema
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 TABLES = sorted((Path(__file__).parents[3] / "configs" / "tables").iterdir())
 ARM = """\

@@ -1,24 +1,15 @@
 """`dh2urdf init` and `dh2urdf example`: what they write is a table that is right, and nothing is overwritten."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from command_line import Cli
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 ROOT = Path(__file__).parents[3]
 TABLES = sorted((ROOT / "configs" / "tables").iterdir())

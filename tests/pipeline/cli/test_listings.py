@@ -1,25 +1,19 @@
-from __future__ import annotations
-
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
+from command_line import Cli
 from jsonschema import Draft202012Validator
 
 from dh2urdf import __version__
 from dh2urdf.hookspecs import INTERFACE_VERSION
 from dh2urdf.plugin_system import KINDS, load
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 
-def test_every_stage_is_listed_with_its_options(cli: Callable[..., Answer]) -> None:
+def test_every_stage_is_listed_with_its_options(cli: Cli) -> None:
     """By kind: name, what it does, the distribution, and per option its default, its type and what it is for."""
     lines = cli("plugins").stdout.splitlines()
     assert [line for line in lines if not line.startswith(" ")] == [f"{kind}s" for kind in KINDS]
@@ -30,7 +24,7 @@ def test_every_stage_is_listed_with_its_options(cli: Callable[..., Answer]) -> N
     assert option.startswith("      frames = aligned (aligned or dh): exact variant: link frames parallel to the base")
 
 
-def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
+def test_the_same_as_json(cli: Cli) -> None:
     """A script gets kind, name, summary, plugin, distribution and options, as `schema plugins` says."""
     listed = json.loads(cli("plugins", "--json").stdout)
     Draft202012Validator(json.loads(cli("schema", "plugins").stdout)).validate(listed)
@@ -54,11 +48,11 @@ def test_the_same_as_json(cli: Callable[..., Answer]) -> None:
     assert (frames["type"], frames["default"]) == ("aligned or dh", "aligned")
 
 
-def schema(cli: Callable[..., Answer], *words: str) -> dict[str, Any]:
+def schema(cli: Cli, *words: str) -> dict[str, Any]:
     return dict(json.loads(cli("schema", *words).stdout))
 
 
-def test_it_validates_every_run_file_of_the_project(cli: Callable[..., Answer]) -> None:
+def test_it_validates_every_run_file_of_the_project(cli: Cli) -> None:
     """What an editor gets accepts every run file in configs/, and finds a slip in it."""
     validator = Draft202012Validator(schema(cli))
     for path in CONFIGS.glob("*.yaml"):

@@ -1,14 +1,12 @@
-from __future__ import annotations
-
 import ast
 import os
 import platform
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from command_line import Cli
 from terminal import on_a_terminal
 
 import dh2urdf.cli.listings
@@ -17,17 +15,12 @@ from dh2urdf.cli import COMMANDS, exit_status_of, main
 from dh2urdf.hookspecs import INTERFACE_VERSION
 from dh2urdf.isolation.fence import walls
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
 COMMAND = [sys.executable, "-c", "from dh2urdf.cli import main; main()"]
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 class TestHelp:
-    def test_it_names_every_command_and_status(self, cli: Callable[..., Answer]) -> None:
+    def test_it_names_every_command_and_status(self, cli: Cli) -> None:
         """What the program is for, an example, and each command with what it does."""
         text = cli("-h").stdout
         assert "provably the same arm" in text
@@ -36,7 +29,7 @@ class TestHelp:
             assert f"  {name}" in text
             assert summary in text
 
-    def test_each_command_has_examples_and_explains_its_options(self, cli: Callable[..., Answer]) -> None:
+    def test_each_command_has_examples_and_explains_its_options(self, cli: Cli) -> None:
         """The help begins with what the command does; no flag stands without a sentence."""
         for command in COMMANDS:
             text = cli(command, "--help").stdout
@@ -46,7 +39,7 @@ class TestHelp:
             assert flags
             assert [line for line in flags if "  " not in line.strip()] == []
 
-    def test_without_a_command_it_is_shown_and_nothing_was_done(self, cli: Callable[..., Answer]) -> None:
+    def test_without_a_command_it_is_shown_and_nothing_was_done(self, cli: Cli) -> None:
         """The help goes to standard error: nobody asked for it."""
         answer = cli(status=2)
         assert answer.stdout == ""
@@ -54,7 +47,7 @@ class TestHelp:
 
 
 class TestWords:
-    def test_version(self, cli: Callable[..., Answer]) -> None:
+    def test_version(self, cli: Cli) -> None:
         """Version of the program, of Python, and of the interface for plugins."""
         assert cli("--version").stdout == (
             f"dh2urdf {__version__} (Python {platform.python_version()}, plugin interface {INTERFACE_VERSION})\n"
@@ -160,7 +153,7 @@ class TestEmptyWords:
         "words", [["run", "run.yaml", "-o", ""], ["convert", "arm.csv", "--output="], ["convert", "", "-o", "arm.urdf"]]
     )
     def test_they_are_refused(
-        self, cli: Callable[..., Answer], words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+        self, cli: Cli, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         """A run with `-o "$OUT"` wrote into the current folder, and its next run removed from there."""
         monkeypatch.chdir(tmp_path)

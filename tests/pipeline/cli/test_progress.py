@@ -1,10 +1,10 @@
-from __future__ import annotations
-
 import re
 from collections import Counter
+from collections.abc import Callable, Sequence
 from datetime import timedelta
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from terminal import on_a_terminal
@@ -15,11 +15,6 @@ from dh2urdf.errors import SCREENFUL
 from dh2urdf.report.verdicts import Verdicts
 from dh2urdf.source import Cause, Mark, Problem
 from dh2urdf.tasks.batch_report import BatchReport, Result, add_cause
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
 
 MANY = SCREENFUL + 7
 ARMS = "# convention: standard\nrobot,a,alpha,d\n" + "".join(

@@ -1,17 +1,9 @@
-from __future__ import annotations
-
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
+from command_line import Cli
 
 TABLE = "# convention: standard\njoint,a,alpha,d\nshoulder,0,pi/2,0.1\nelbow,0.4,0,0\n"
 ARMS = "# convention: standard\nrobot,a,alpha,d\nleft,0.4,0,0.1\nbad,0.4,ninety,0.1\nright,0.4,1.5708,0.1\n"

@@ -1,16 +1,11 @@
 """Options of stages as flags: those of dh2urdf, and those of any plugin whose options say so."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
-
-if TYPE_CHECKING:
-    import subprocess
-    from collections.abc import Callable
-    from pathlib import Path
 
 TABLE = "# convention: standard\njoint,a,alpha,d,lower,upper,velocity,effort\nj1,0.4,0,0.1,-1,1,1,10\n"
 PLUGIN = """

@@ -1,19 +1,13 @@
 """`--edit` of `dh2urdf convert` and `edits` of `dh2urdf.convert`: the edits of a run file, for one table."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.errors import ConfigError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
 
 TABLE = "# convention: standard\njoint, a, alpha, d\nhip, 0.4, pi/2, 0.1\nknee, 0.3, 0, 0\n"
 WORDS = ("payload: {mass: 2.5, size: [0.1, 0.1, 0.2]}", "rename: {prefix: left_}")
@@ -26,7 +20,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("arm.csv").write_text(TABLE)
 
 
-def test_command_program_and_run_file_make_the_same_file(cli: Callable[..., Answer]) -> None:
+def test_command_program_and_run_file_make_the_same_file(cli: Cli) -> None:
     said = cli("convert", "arm.csv", "--edit", WORDS[0], "--edit", WORDS[1], "-o", "arm.urdf")
     assert "proved" in said.stderr
     typed = Path("arm.urdf").read_text("utf-8")
@@ -48,7 +42,7 @@ STAGES = """  - {stage: payload, options: {mass: 2.5, size: [0.1, 0.1, 0.2]}}
 """
 
 
-def test_every_table_of_a_command_is_edited(cli: Callable[..., Answer]) -> None:
+def test_every_table_of_a_command_is_edited(cli: Cli) -> None:
     Path("other.csv").write_text(TABLE)
     cli("convert", "arm.csv", "other.csv", "--edit", "rename: {prefix: left_}", "-o", "out/")
     for name in ("arm", "other"):
@@ -63,7 +57,7 @@ def test_a_file_of_an_edit_is_one_of_the_working_directory() -> None:
     assert "0.301" in made.text
 
 
-def test_an_edit_may_be_written_as_in_a_run_file(cli: Callable[..., Answer]) -> None:
+def test_an_edit_may_be_written_as_in_a_run_file(cli: Cli) -> None:
     """Messages and pages write `{stage: NAME, options: {…}}`: it is the same edit on the command line and in Python."""
     short = cli("convert", "arm.csv", "--edit", "payload: {mass: 2}", "--quiet").stdout
     assert cli("convert", "arm.csv", "--edit", "{stage: payload, options: {mass: 2}}", "--quiet").stdout == short

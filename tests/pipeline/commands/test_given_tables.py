@@ -1,13 +1,12 @@
 """Tables that are in no file: texts, streams, arrays, data frames; tables and robots as texts; runs of mappings."""
 
-from __future__ import annotations
-
 import io
 import math
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,9 +16,6 @@ import dh2urdf
 from dh2urdf.errors import ConfigError, RecordValueError, RobotError, TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
 from dh2urdf.rotations import IDENTITY, RigidTransform
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 UR5 = CONFIGS / "tables" / "ur5.csv"

@@ -1,7 +1,7 @@
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from full_row import FULL_ROW
@@ -27,10 +27,6 @@ from dh2urdf.rotations import RigidTransform
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.source import Mark, Problem
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
 
 RAISED = RigidTransform((1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.5))
 MESH = MeshShape(file=MeshFile(path="/link.stl", sha256="0" * 64))

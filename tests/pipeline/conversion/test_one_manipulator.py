@@ -1,8 +1,8 @@
-from __future__ import annotations
-
 import pickle
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from small_stages import drawing, one_joint, pickling, robot_of
@@ -11,14 +11,9 @@ from dh2urdf.conversion.one_manipulator import Call, Recipe, Written, emit_robot
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.errors import EmitterError, ManipulatorError, ProofError, RobotError, StageError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses
+from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import EmittedFile, Emitter
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-    from dh2urdf.robot import Robot
 
 TABLE = one_joint(mark=Mark(file="arm.csv", line=2))
 

@@ -1,10 +1,10 @@
 """Edits on their way: before and after the transform, in order, in the proof, and in what is known of a robot."""
 
-from __future__ import annotations
-
 import pickle
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from small_stages import Keeping, drawing, pickling
@@ -18,10 +18,6 @@ from dh2urdf.plugin_system.calls import Call
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.stages import Edit, KeepsKinematics
 from dh2urdf.testing import reference_manipulators
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 UR5 = reference_manipulators()[0]
 

@@ -1,8 +1,6 @@
 """XML of unknown origin: what every reader refuses."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from lxml import etree
@@ -11,9 +9,6 @@ from dh2urdf.documents.xml_elements import ForbiddenXmlError, xml_root
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.meshes import load_scene
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SEVEN = '<?xml version="1.0" encoding="UTF-7"?>\n'
 FORBIDDEN = {

@@ -1,17 +1,12 @@
 """Who is at work is known, whatever ends the work."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from dh2urdf.isolation.attribution import Attribution, Plugin, current
 from dh2urdf.isolation.child_process import PLAIN, Child, pickled_call
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 LAB = Plugin(name="lab = lab_lab", distribution="lab 1.0")
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 import os
 import signal
@@ -7,7 +5,10 @@ import struct
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -16,11 +17,6 @@ from dh2urdf.isolation import PICKLED, ChildFailure, Data, run_in_child
 from dh2urdf.isolation.child_process import KEPT_OUTPUT, LARGEST_ANSWER
 from dh2urdf.isolation.encodings import MOST_VALUES, Pickled
 from dh2urdf.source import Mark, Problem
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from types import ModuleType
 
 LONG = 60.0
 

@@ -1,23 +1,17 @@
 """Which walls stand around a child that works on a stranger's file, and what the user reads where the kernel offers none."""
 
-from __future__ import annotations
-
 import os
 import sys
 import warnings
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 
 from dh2urdf.isolation import fence
 from dh2urdf.meshes import load_scene
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from conftest import Answer
 
 WHY = "this kernel offers no Landlock: Function not implemented"
 BOX = """
@@ -62,7 +56,7 @@ def test_the_kernel_is_asked() -> None:
 
 
 @pytest.mark.usefixtures("no_landlock")
-def test_version_names_the_missing_wall(cli: Callable[..., Answer]) -> None:
+def test_version_names_the_missing_wall(cli: Cli) -> None:
     """`dh2urdf --version` says that the kernel offers none, why, and what follows."""
     assert f"no wall of the kernel ({WHY}; meshes need --trust), limits" in cli("--version").stdout
 
@@ -81,7 +75,7 @@ def test_mesh_asks_for_trust(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("no_landlock")
 @pytest.mark.parametrize("place", ["before", "after"])
-def test_command_takes_trust_for_itself_alone(cli: Callable[..., Answer], tmp_path: Path, place: str) -> None:
+def test_command_takes_trust_for_itself_alone(cli: Cli, tmp_path: Path, place: str) -> None:
     """`convert` of a table with a mesh fails, and works with `--trust`, which no later command inherits."""
     pytest.importorskip("trimesh")
     (tmp_path / "arm.yaml").write_text(TABLE)

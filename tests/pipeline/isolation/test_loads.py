@@ -1,14 +1,13 @@
-from __future__ import annotations
-
 import os
 import pickle
 import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
 from other_fields import with_field
@@ -19,10 +18,6 @@ from dh2urdf.isolation.child_process import KEPT_OUTPUT
 from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.robot import Robot
 from dh2urdf.stages import LoadReport, LoadRequest, NoOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from types import ModuleType
 
 
 @pytest.fixture

@@ -1,12 +1,10 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
+from numpy.typing import NDArray
 
 from dh2urdf.kinematics import (
     KinematicChain,
@@ -22,10 +20,7 @@ from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.rotations import IDENTITY, ZERO, RigidTransform, rotation_from_rpy
 from dh2urdf.testing.oracle import table_pose
-
-if TYPE_CHECKING:
-    from conftest import ReferenceRobot  # type: ignore[import-not-found]
-    from numpy.typing import NDArray
+from reference_arms import ReferenceRobot
 
 STANDARD, MODIFIED = Convention.STANDARD, Convention.MODIFIED
 ROUNDING = 2e-14

@@ -1,15 +1,14 @@
 """Comparing a description with a table, and finding what would make them one arm."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import math
 import random
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,11 +24,7 @@ from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf_check.inspection import inspect_urdf
 from dh2urdf_plugins.readers.stages import CSV
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from conftest import ReferenceRobot
+from reference_arms import ReferenceRobot
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

@@ -1,7 +1,5 @@
 """Parallel axes, spherical wrists and OPW parameters, held against published arms and the model's own equations."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

@@ -1,10 +1,9 @@
 """Rows that follow others: joint vectors have no value for them, and what is computed is right all the same."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,18 +22,13 @@ from dh2urdf.kinematics.proof import Proof, prove, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, Follower, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.report.figures import arm_skeleton, robot_skeleton
-from dh2urdf.robot import Origin
+from dh2urdf.robot import Origin, Robot
 from dh2urdf.source import Mark
 from dh2urdf.testing import oracle
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap, alpha_swap_columns
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from dh2urdf.robot import Robot
 
 CATALOG = load()
 RNG = np.random.default_rng(46)

@@ -1,11 +1,9 @@
 """Inverse kinematics: what it reaches, and that limits are kept; manipulability, singular values and margins."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +14,7 @@ from scipy.spatial.transform import Rotation
 import dh2urdf
 from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, RigidTransform
 from dh2urdf.kinematics.inverse import dexterity
-
-if TYPE_CHECKING:
-    from conftest import ReferenceRobot
+from reference_arms import ReferenceRobot
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 

@@ -1,26 +1,21 @@
 """`fk`, `fk_all` and `jacobian` of tables and robots, against Pinocchio, differences and the publishers' poses."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import dh2urdf
 from dh2urdf.errors import RecordError, RecordValueError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import ReferenceRobot
-    from numpy.typing import NDArray
-
-    Function = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Function = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 ROWS = (
     DHRow(joint="turn", link="column", a=0.1, alpha=0.4, d=0.2, theta=0.3, offset=-0.5, sign=-1),

@@ -1,10 +1,9 @@
-from __future__ import annotations
-
 import math
 import random
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,16 +20,11 @@ from dh2urdf.kinematics.proof import TOGETHER, Proof, prove, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.robot import Robot
 from dh2urdf.rotations import RigidTransform, is_column
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.urdf.scanner import scan_columns
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import ReferenceRobot
-
-    from dh2urdf.robot import Robot
+from reference_arms import ReferenceRobot
 
 CATALOG = load()
 COUNT = 6

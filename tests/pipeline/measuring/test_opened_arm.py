@@ -1,11 +1,11 @@
 """What dh2urdf measures of an arm that a loader has opened: joints, masses and poses, as the simulator has them."""
 
-from __future__ import annotations
-
 import math
 import pickle
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,10 +18,6 @@ from dh2urdf.robot import Inertial
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, NoOptions, SimulatedArm
 from dh2urdf.testing import plain_robot, reference_manipulators
 from dh2urdf.testing.oracle import table_pose
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
 
 ARM = reference_manipulators()[0]
 ROBOT = plain_robot(ARM)

@@ -1,7 +1,5 @@
 """Paths and their file:// addresses, on every system."""
 
-from __future__ import annotations
-
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import pytest

@@ -1,19 +1,13 @@
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.output.journal import JOURNAL, MANIFEST, Journal, earlier_rows, next_journal
-from dh2urdf.output.store import LocalStore, open_store
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from dh2urdf.output.store import Store
+from dh2urdf.output.store import LocalStore, Store, open_store
 
 
 def line(name: str, **facts: Any) -> bytes:

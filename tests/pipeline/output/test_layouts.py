@@ -1,20 +1,14 @@
-from __future__ import annotations
-
 import json
 import tarfile
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
+from command_line import Cli
 
 TABLE = "# convention: standard\nrobot,a,alpha,d\n"
 
 
-def run(cli: Callable[..., Answer], folder: Path, *settings: str, out: str = "out") -> list[dict[str, Any]]:
+def run(cli: Cli, folder: Path, *settings: str, out: str = "out") -> list[dict[str, Any]]:
     """The manifest of a run over five arms, the third of which is refused."""
     rows = [f"arm.{number},0.{number},0,{'x' if number == 3 else 0}\n" for number in range(1, 6)]
     (folder / "arms.csv").write_text(TABLE + "".join(rows))
@@ -24,7 +18,7 @@ def run(cli: Callable[..., Answer], folder: Path, *settings: str, out: str = "ou
     return [json.loads(line) for line in (folder / out / "manifest.jsonl").open("rb")]
 
 
-def test_a_run_into_shards(cli: Callable[..., Answer], tmp_path: Path, reports: frozenset[str]) -> None:
+def test_a_run_into_shards(cli: Cli, tmp_path: Path, reports: frozenset[str]) -> None:
     """Tar files of so many manipulators, with the same descriptions as in files of their own, but for their names."""
     rows = run(cli, tmp_path, "output.layout=shards", "output.size=2")
     shards = {"000000.tar", "000001.tar", "000002.tar"}

@@ -1,23 +1,18 @@
-from __future__ import annotations
-
 import errno
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from interrupted import at_every_step
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import WORKING, LocalStore
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
 
 TEMPORARY = f"{WORKING}/temporary"
 

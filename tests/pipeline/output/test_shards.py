@@ -1,22 +1,15 @@
-from __future__ import annotations
-
 import io
 import os
 import subprocess
 import tarfile
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.output.layouts import ShardWriter, is_shard_of, members, shard_stem
-from dh2urdf.output.store import open_store
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from dh2urdf.output.store import Store
+from dh2urdf.output.store import Store, open_store
 
 SAMPLE = [
     ("arm_1.urdf", b"<robot/>\n" * 700),

@@ -1,20 +1,15 @@
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.store import WORKING, LocalStore, Store, open_store
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def everything(folder: Path) -> list[str]:

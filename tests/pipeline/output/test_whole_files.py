@@ -1,22 +1,15 @@
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from command_line import Cli
 from hypothesis import given, strategies as st
 
 import dh2urdf
 from dh2urdf.errors import OutputError
 from dh2urdf.output.whole_files import LONGEST_STEM, Stems, put_in_place, safe_stem, staging, write_all, write_files
 from dh2urdf.stages import EmittedFile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
 
 LONGEST_SUFFIX = "_macro.xacro"
 any_text = st.text(st.characters(codec=None), max_size=300)
@@ -187,7 +180,7 @@ class TestAddresses:
         ],
         ids=" ".join,
     )
-    def test_output_is_refused(self, tmp_path: Path, cli: Callable[..., Answer], words: tuple[str, ...]) -> None:
+    def test_output_is_refused(self, tmp_path: Path, cli: Cli, words: tuple[str, ...]) -> None:
         """With what writes there, and nothing is made."""
         (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, 0, 0.1\n")
         dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "arm.urdf")

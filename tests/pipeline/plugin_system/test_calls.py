@@ -1,8 +1,8 @@
-from __future__ import annotations
-
 import pickle
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from other_fields import with_field
@@ -15,10 +15,6 @@ from dh2urdf.plugin_system.column_calls import read_columns
 from dh2urdf.robot import Link, Robot
 from dh2urdf.stages import Emitter, NoOptions
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 # Every function of every record is tried by the commands in tests/test_failing_plugins.py.
 

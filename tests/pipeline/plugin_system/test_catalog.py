@@ -1,12 +1,13 @@
-from __future__ import annotations
-
 import json
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
+from subprocess import CompletedProcess
 from threading import Event
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import pytest
 from other_fields import with_field
@@ -17,11 +18,6 @@ from dh2urdf.plugin_system import Catalog, load
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.plugin_system.discovery import installed
 from dh2urdf.stages import Emitter, NoOptions, Reader, Traces
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from importlib.metadata import EntryPoint
-    from subprocess import CompletedProcess
 
 
 def reader(name: str, *suffixes: str) -> Reader[Any]:

@@ -1,19 +1,14 @@
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.discovery import installed
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-    from subprocess import CompletedProcess
-
-    Command = Callable[..., CompletedProcess[str]]
+Command = Callable[..., CompletedProcess[str]]
 
 READER = """
 from dh2urdf.hookspecs import hookimpl

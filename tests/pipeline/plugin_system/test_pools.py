@@ -1,7 +1,5 @@
 """Executors that give a pool alone: dh2urdf keeps the contract for them, crashes of workers included."""
 
-from __future__ import annotations
-
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context

@@ -1,21 +1,15 @@
 """What a report says of the axes of a run's tables, and of how to do the run again."""
 
-from __future__ import annotations
-
 import hashlib
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
-from dh2urdf.run_file.plan import make_plan
+from dh2urdf.run_file.plan import Plan, make_plan
 from dh2urdf.running.run import execute, load_plan
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.run_file.plan import Plan
 
 IRB_2400 = (
     "# convention: standard\njoint,a,alpha,d,theta\nj1,0.1,-pi/2,0.615,0\nj2,0.705,0,0,-pi/2\n"

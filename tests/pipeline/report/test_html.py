@@ -29,15 +29,15 @@ from dh2urdf.tasks.batch_report import BatchReport, Result
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
 
+from collections.abc import Iterable
+
 from dh2urdf.report.figures import Workspace, arm_skeleton
 from dh2urdf.report.html import page
 from dh2urdf.report.manifest import EXAMPLES, FULL, ManifestWriter, reproduction, write_reports
 from dh2urdf.report.overview import LISTED, SAMPLED, Overview
+from reference_arms import ReferenceRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from conftest import ReferenceRobot
     from lxml.html import HtmlElement
 
 ROOT = Path(__file__).parents[3]

@@ -1,21 +1,16 @@
-from __future__ import annotations
-
 import io
 import json
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from dh2urdf.conversion.outcome import Outcome, to_line
 from dh2urdf.output.store import open_store
 from dh2urdf.report.manifest import REPORTED, ManifestWriter, run_report, write_timing
+from dh2urdf.results import ManipulatorEntry
 from dh2urdf.tasks.batch_report import BatchReport, Result
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
-
-    from dh2urdf.results import ManipulatorEntry
 
 
 def row(name: str, status: Any = "ok", **facts: Any) -> ManipulatorEntry:

@@ -1,9 +1,6 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -14,9 +11,7 @@ from dh2urdf import Convention, DHRow, JointType, Limits, Manipulator, Robot
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.report import notebook
 from dh2urdf.rotations import RigidTransform
-
-if TYPE_CHECKING:
-    from conftest import ReferenceRobot
+from reference_arms import ReferenceRobot
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 HOSTILE = "<script>alert(1)</script>\u202e'\""

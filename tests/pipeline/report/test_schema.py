@@ -1,13 +1,12 @@
-from __future__ import annotations
-
 import json
 import re
 from copy import deepcopy
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 import pytest
+from command_line import Cli
 from jsonschema import Draft202012Validator
 
 from dh2urdf import results
@@ -18,11 +17,6 @@ from dh2urdf.report.conversions import FILLED_IN
 from dh2urdf.report.schema import manifest_schema, report_schema
 from dh2urdf.stages import LoadReport
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
-
 CONFIGS = Path(__file__).parents[3] / "configs"
 ARMS = "# convention: standard\nrobot,a,alpha,d\narm,0,pi/2,0.2\narm,0.4,0,0.1\nbad,0,0,x\n"
 VARIATION = "variations: {of: arm, count: 3, vary: {joints: 1, field: d, uniform: [0.1, 0.3]}}\n"
@@ -30,7 +24,7 @@ CELL = "cells: {name: pair, arms: [{name: left, of: arm}, {name: right, of: arm,
 
 
 @pytest.fixture
-def out(cli: Callable[..., Answer], tmp_path: Path) -> Path:
+def out(cli: Cli, tmp_path: Path) -> Path:
     """The output of a run that has a little of everything: failures, variants, a cell, shards, a simulator."""
     pytest.importorskip("pybullet")
     (tmp_path / "arms.csv").write_text(ARMS)
@@ -48,7 +42,7 @@ def errors(schema: dict[str, Any], data: Any) -> list[str]:
 
 
 @pytest.mark.long
-def test_they_are_schemas(cli: Callable[..., Answer]) -> None:
+def test_they_are_schemas(cli: Cli) -> None:
     """All that the command prints are valid themselves, and every reference in them leads to a definition."""
     for name in SCHEMAS:
         schema = json.loads(cli("schema", name).stdout)

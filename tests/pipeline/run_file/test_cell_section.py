@@ -1,16 +1,9 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from dh2urdf.cells.cell import ArmCall, CellCall
 from dh2urdf.robot import Origin
-from dh2urdf.run_file.config import load_config
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.run_file.config import RunConfig
+from dh2urdf.run_file.config import RunConfig, load_config
 
 
 def config(folder: Path, cells: str, *settings: str) -> RunConfig:

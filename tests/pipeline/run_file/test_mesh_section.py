@@ -1,21 +1,14 @@
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.rotations import HALF_PI, RigidTransform
-from dh2urdf.run_file.config import load_config
+from dh2urdf.run_file.config import RunConfig, load_config
 from dh2urdf.run_file.mesh_section import Shapes
 from dh2urdf.stages import Rejected
 from dh2urdf.tasks.given_meshes import MeshGiver
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.run_file.config import RunConfig
 
 
 @pytest.fixture

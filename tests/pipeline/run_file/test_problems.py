@@ -1,7 +1,5 @@
 """Each slip in a run file, or in a setting of one, is one problem: the code, the key, and line and column."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

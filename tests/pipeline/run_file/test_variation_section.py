@@ -1,9 +1,6 @@
-from __future__ import annotations
-
 import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -14,10 +11,7 @@ from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.variations.laws import Choices, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling
-
-if TYPE_CHECKING:
-    from dh2urdf.variations.variation import VariationCall
-
+from dh2urdf.variations.variation import VariationCall
 
 RULE = "{joints: 1, field: a, scale: [1, 2]}"
 

@@ -1,20 +1,12 @@
 """Edits in runs: inputs, variations, cells, resumed runs, and what is wrong with a run file."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
+from command_line import Cli
 from lxml import etree
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    Cli = Callable[..., Answer]
 
 ARM = "# convention: standard\njoint, link, a, alpha, d\nhip, thigh, 0.4, pi/2, 0.1\nknee, shin, 0.3, 0, 0\n"
 EDITS = """

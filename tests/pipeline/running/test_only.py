@@ -1,17 +1,12 @@
 """Emitters that write only arms by themselves, or only cells."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer  # type: ignore[import-not-found]
+from command_line import Cli
 
 TABLES = Path(__file__).parents[3] / "configs/tables"
 RUN = f"""
@@ -22,7 +17,7 @@ cells: {{name: c, arms: [{{name: l, of: v}}, {{name: r, of: ur5, xyz: [2, 0, 0]}
 
 
 @pytest.fixture
-def rows(cli: Callable[..., Answer], tmp_path: Path) -> Callable[..., dict[str, Any]]:
+def rows(cli: Cli, tmp_path: Path) -> Callable[..., dict[str, Any]]:
     """The rows of a run, by the names of its manipulators."""
 
     def run(more: str, *words: str) -> dict[str, Any]:

@@ -1,19 +1,12 @@
 """What tells of a run may go to a place of its own: then the output holds descriptions, and nothing else."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from command_line import Answer, Cli
 
 import dh2urdf
 from dh2urdf.errors import ConfigError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 TABLE = "# convention: standard\njoint,a,alpha,d\nj1,0,pi/2,0.1\nj2,0.4,0,0\n"
 TOLD = {"index.json", "manifest.jsonl", "report.json", "timing.json"}
@@ -26,7 +19,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(folder: Path, cli: Callable[..., Answer], config: str, *words: str, status: int = 0) -> Answer:
+def run(folder: Path, cli: Cli, config: str, *words: str, status: int = 0) -> Answer:
     (folder / "run.yaml").write_text(config)
     return cli("run", folder / "run.yaml", *words, status=status)
 
@@ -36,7 +29,7 @@ def names(folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_a_folder_of_its_own(folder: Path, cli: Callable[..., Answer], workers: str) -> None:
+def test_a_folder_of_its_own(folder: Path, cli: Cli, workers: str) -> None:
     """Resumed, nothing is made again; what a later run does not make is removed; the journal leaves nothing."""
     config = "inputs: [one.csv, two.csv]\noutput: {directory: out}\nreport: {directory: told}\n"
     answer = run(folder, cli, config, "--workers", workers)
@@ -52,7 +45,7 @@ def test_a_folder_of_its_own(folder: Path, cli: Callable[..., Answer], workers: 
 
 
 @pytest.mark.parametrize("words", [(), ("-o", "elsewhere/")])
-def test_packages_stand_alone(folder: Path, cli: Callable[..., Answer], words: tuple[str, ...]) -> None:
+def test_packages_stand_alone(folder: Path, cli: Cli, words: tuple[str, ...]) -> None:
     """A workspace of colcon holds packages; beside an output of packages and other files there is no other folder."""
     config = "inputs: [one.csv, two.csv]\nemitters: [ros2]\noutput: {directory: src}\nreport: {html: false}\n"
     run(folder, cli, config, *([words[0], str(folder / words[1])] if words else ()))
@@ -63,7 +56,7 @@ def test_packages_stand_alone(folder: Path, cli: Callable[..., Answer], words: t
     assert names(folder / "both") == {"one_description", "two_description", "one.urdf", "two.urdf", *TOLD}
 
 
-def test_an_object_store(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_an_object_store(folder: Path, cli: Cli) -> None:
     """Reports may be in another kind of place than the descriptions."""
     from fsspec.implementations.memory import MemoryFileSystem
 

@@ -1,11 +1,10 @@
-from __future__ import annotations
-
 import json
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from small_stages import one_joint, pickling
@@ -14,23 +13,19 @@ from dh2urdf.conversion.one_manipulator import Sample
 from dh2urdf.conversion.outcome import ManifestRow, to_text
 from dh2urdf.errors import MissingDependencyError
 from dh2urdf.hookspecs import hookimpl
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import Catalog
 from dh2urdf.plugin_system.catalog import Plugin
 from dh2urdf.report.verdicts import coverage_line
+from dh2urdf.robot import Robot
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
+from dh2urdf.running import run as runs
 from dh2urdf.running.run import execute
 from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import Executor, KeepsKinematics, Loader, NoOptions, Reader, Rejected, Requires, Transform
+from dh2urdf.tasks.batch_report import BatchReport
 from dh2urdf.testing import plain_robot
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
-    from dh2urdf.running import run as runs
-    from dh2urdf.tasks.batch_report import BatchReport
 
 # The stages of these tests are made here: the core is tried without any built-in plugin. Their tables are lists of
 # names, a line each, and what a name begins with says what becomes of it.

@@ -1,16 +1,12 @@
 """Tables with something to declare about each are made side by side as others are, and their notices are kept."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import dh2urdf
 from dh2urdf.running.batch_work import Work
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ARMS = 12
 TABLE = "# convention: standard\n# name: {name}\njoint, a, alpha, d\none, 0.4, 0, {d}\ntwo, 0.3, pi/2, 0\n"

@@ -1,9 +1,8 @@
-from __future__ import annotations
-
 import random
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
@@ -18,9 +17,6 @@ from dh2urdf.source import Mark, Problem
 from dh2urdf.stages import ReadsInColumns, Rejected
 from dh2urdf.tasks.batch import Batch, Doomed, Expected, batches
 from dh2urdf.testing.stage_contract import difference
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 HEADER = "# convention: standard\nrobot,a,alpha,d\n"
 

@@ -1,23 +1,17 @@
 """How many manipulators a worker takes at once: few at first and at the end, and never part of a shard."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from itertools import accumulate
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
+from command_line import Cli
 
 import dh2urdf
 from dh2urdf.plugin_system import load
 from dh2urdf.run_file.config import load_config
 from dh2urdf.run_file.plan import make_plan
 from dh2urdf.tasks.batch import LARGE, Expected, batches
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 VARIED = "variations: [{of: arm, count: %d, vary: [{field: d, joints: 1, uniform: [0, 1]}]}]\n"
 
@@ -78,9 +72,7 @@ def test_shards_are_the_same_in_whatever_batches(tmp_path: Path, workers: int) -
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "each" / name).read_bytes()
 
 
-def test_a_batch_that_is_broken_off_keeps_its_shards(
-    tmp_path: Path, cli: Callable[..., Answer], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_batch_that_is_broken_off_keeps_its_shards(tmp_path: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     """What stood whole before something else was in the way is not made again."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d\n0.1,pi/2,0\n0.2,0,0.3\n")

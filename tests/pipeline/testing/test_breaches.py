@@ -1,7 +1,5 @@
 """A deliberately bad plugin for each clause of each contract, and what the contract tests declare about it."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

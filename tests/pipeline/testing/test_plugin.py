@@ -1,9 +1,8 @@
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,15 +10,10 @@ import dh2urdf_plugins
 from dh2urdf.errors import UnknownStageError
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.proof import prove
-from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.robot_check import check_robot
 from dh2urdf.stages import Emitter, NoOptions
 from dh2urdf.testing import catalog_of, do_run, plain_robot, reference_manipulators
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.manipulator import Manipulator
 
 ARMS = pytest.mark.parametrize("arm", reference_manipulators(), ids=lambda arm: arm.name)
 CSV = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"

@@ -1,17 +1,17 @@
-from __future__ import annotations
-
 import json
 import math
 import pickle
 import random
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 
 from dh2urdf.errors import ConfigError, ManipulatorError
 from dh2urdf.fields import replace_unchecked
@@ -29,11 +29,6 @@ from dh2urdf.variations.binding import bind
 from dh2urdf.variations.laws import Choices, DrawnValue, Grid, Law, LogUniform, Normal, Offset, Scale, Uniform
 from dh2urdf.variations.sampling import Sampling
 from dh2urdf.variations.variation import FIELDS, Rule, Variation, VariationCall, retyped, variant_columns
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import Answer
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 
@@ -354,7 +349,7 @@ def run_file(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
 
 
 def test_a_run_makes_proves_and_reports_variants(
-    cli: Callable[..., Answer], run_file: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]
+    cli: Cli, run_file: Path, tool0_of: Callable[[Path], Callable[..., np.ndarray]]
 ) -> None:
     """The input, then every variant: proved, its drawn values reported, and the file is the arm of these values.
 
@@ -399,7 +394,7 @@ def test_a_run_makes_proves_and_reports_variants(
     ],
 )
 def test_a_variation_of_nothing_fails_once(
-    cli: Callable[..., Answer], tmp_path: Path, *, of: str, joint: int, table: str, code: str
+    cli: Cli, tmp_path: Path, *, of: str, joint: int, table: str, code: str
 ) -> None:
     """Not once for every variant; the rest of the run is made."""
     (tmp_path / "arm.csv").write_text(table)
@@ -431,7 +426,7 @@ def test_nothing_grows_with_the_count(tmp_path: Path) -> None:
     assert expected.total == 1_000_000_001
 
 
-def test_the_manual_keeps_its_word(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_the_manual_keeps_its_word(cli: Cli, tmp_path: Path) -> None:
     """Its run file is run, with fewer variants, and gives what it says."""
     root = CONFIGS.parent
     text = (root / "docs" / "variations.md").read_text("utf-8")

@@ -1,11 +1,9 @@
 """Collision pairs of small mechanisms whose contacts are known, and of arms that MuJoCo measures."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,9 +17,6 @@ from dh2urdf_plugins.collision_pairs.search import collision_pairs, robot_pairs
 from dh2urdf_plugins.formats import mjcf
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 pytest.importorskip("pinocchio")
 

@@ -1,7 +1,5 @@
 """Known arms as their descriptions place the joints: the rows that their makers or the literature publish come back."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The extracted table against engines that share nothing with this project, on the description as it is written."""
 
-from __future__ import annotations
-
 import random
 from importlib.util import find_spec
 from pathlib import Path

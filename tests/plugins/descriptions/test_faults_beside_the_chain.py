@@ -1,7 +1,5 @@
 """A fault that is none of the chain leaves out what has it, with a notice; the arm is that of the file without it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Descriptions of unknown origin as they are shown: joints that follow others, colours, and what no table has."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

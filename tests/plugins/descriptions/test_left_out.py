@@ -1,7 +1,5 @@
 """What files hold besides the links and joints of a robot: a notice names it, or the table takes what it has a place for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,16 +1,11 @@
 """A chain that is part of a closed loop has no table, in whatever format it is described; a chain beside the loop has one."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import Dh2UrdfError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 BODY = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
 LINKS = ("base", "crank", "coupler", "rocker", "arm", "hand")

@@ -1,7 +1,5 @@
 """Every URDF of the packages that are installed, with all its leaves: a table, or a reason in words."""
 
-from __future__ import annotations
-
 import os
 import re
 from importlib.util import find_spec

@@ -1,25 +1,21 @@
 """Files of origins from makers: the table of the arm, against an own product of the file's frames."""
 
-from __future__ import annotations
-
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from command_line import Cli
+from numpy.typing import NDArray
 
 import dh2urdf
 from dh2urdf.errors import TableError
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from conftest import Answer, ReferenceRobot
-    from numpy.typing import NDArray
-
-    Frames = dict[str, Sequence[float]]
+Frames = dict[str, Sequence[float]]
 
 ORIGINS: dict[str, Frames] = yaml.safe_load(Path(__file__).with_name("origins.yaml").read_text("utf-8"))
 UR5, FRANKA = ORIGINS["UR5"], ORIGINS["FRANKA"]
@@ -69,7 +65,7 @@ def test_the_table_is_the_arm(frames: Frames, convention: str, near_parallel: st
         assert np.abs(arm.fk(q) - product(frames, q)).max() < 2e-12
 
 
-def test_in_a_run_and_in_commands(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_in_a_run_and_in_commands(cli: Cli, tmp_path: Path) -> None:
     """The reader goes by its name: the file ends as a table does."""
     (path := tmp_path / "ur_calibration.yaml").write_text(text_of(UR5))
     assert "the axes of" not in cli("extract", path, "--from", "ur-kinematics").stdout
@@ -138,9 +134,7 @@ def test_franka_is_the_published_table(reference_robots: list[ReferenceRobot], t
 @pytest.mark.parametrize(
     ("text", "reader"), [(text_of(UR5), "ur-kinematics"), (franka_text(FRANKA), "franka-kinematics")]
 )
-def test_the_reader_of_tables_names_the_right_one(
-    text: str, reader: str, cli: Callable[..., Answer], tmp_path: Path
-) -> None:
+def test_the_reader_of_tables_names_the_right_one(text: str, reader: str, cli: Cli, tmp_path: Path) -> None:
     """Its suffix is that of a table: the error is one, and its advice works."""
     (path := tmp_path / "kinematics.yaml").write_text(text)
     answer = cli("convert", path, "-o", tmp_path / "arm.urdf", status=2)

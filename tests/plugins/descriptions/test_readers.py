@@ -1,25 +1,20 @@
 """Robot descriptions as tables: chains and tips, what goes with them, what is left out, and every refusal."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.stages import Rejected
-
-if TYPE_CHECKING:
-    from conftest import ReferenceRobot  # type: ignore[import-not-found]
-
-    from dh2urdf.manipulator import Manipulator
+from reference_arms import ReferenceRobot
 
 JOINT = """
   <joint name="{name}" type="{type}">

@@ -1,23 +1,15 @@
 """Of published tables: table, description, table. It is the very table, or the equivalence has a name in the docs."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 import dh2urdf
-from dh2urdf.manipulator import JointType
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from tests.conftest import ReferenceRobot
-
-    from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.manipulator import DHRow, JointType, Manipulator
+from reference_arms import ReferenceRobot
 
 PAGE = Path(__file__).parents[3] / "docs" / "extract.md"
 Numbers = tuple[float, float, float, float]

@@ -1,13 +1,8 @@
 """Descriptions as inputs of a run: beside tables, in cells, varied."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 ARM = "# convention: standard\na, alpha, d\n0.1, pi/2, 0.3\n0.4, 0, 0\n0.3, 0, 0.1\n"
 

@@ -1,28 +1,23 @@
 """Screw axes: the table of an arm, against an own product of exponentials."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from command_line import Cli
+from numpy.typing import NDArray
 from scipy.linalg import expm
 
 import dh2urdf
+from dh2urdf import Manipulator
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer, ReferenceRobot
-    from numpy.typing import NDArray
-
-    from dh2urdf import Manipulator
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 OWN_SHARE = 5e-13
 """The tolerance of a table, as a share of the arm's size."""
@@ -243,7 +238,7 @@ def test_rounded_axes_are_taken_for_what_they_are(extracted: Callable[..., Manip
     assert not any("another length than 1" in notice.message for notice in exact.notices)
 
 
-def test_in_a_run_and_in_commands(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_in_a_run_and_in_commands(cli: Cli, tmp_path: Path) -> None:
     """The reader goes by its name, which the reader of tables gives; JSON is YAML."""
     (path := tmp_path / "ur5.yaml").write_text(BOOK)
     assert "`--from screws` reads it" in cli("convert", path, "-o", tmp_path / "ur5.urdf", status=2).stderr

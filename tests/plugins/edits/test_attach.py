@@ -1,13 +1,12 @@
 """The edit `attach`: a gripper from its own file on an arm, in every format, where MuJoCo and Pinocchio have it."""
 
-from __future__ import annotations
-
 import math
 import re
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,9 +19,6 @@ from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Follower, Robot
 from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf, read_xacro
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
 HAND = Path(__file__).with_name("hand.urdf").read_text("utf-8")

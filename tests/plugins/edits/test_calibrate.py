@@ -1,19 +1,15 @@
 """The edit `calibrate`: the same differences as the readers' option `calibration`, from the same files."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import ConfigError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf_plugins.edits.calibrate import CalibrateOptions, edit_table
-
-if TYPE_CHECKING:
-    from dh2urdf.manipulator import Manipulator
 
 TABLE = """# convention: standard
 joint, a, alpha, d

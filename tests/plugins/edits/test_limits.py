@@ -1,7 +1,5 @@
 """The edit `limits`: factors about the middle, a margin at both ends, and nothing where a table has no limit."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

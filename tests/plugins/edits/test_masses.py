@@ -1,10 +1,9 @@
 """The edit `masses`: the total of a data sheet, shared out among the links of tables with masses and without."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +14,6 @@ from dh2urdf.errors import ConfigError, EditError, TableError
 from dh2urdf.manipulator import Inertia
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.masses import MassesOptions, edit_table
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEAD = "# convention: standard\n# name: arm\n"
 GEOMETRY = ("hip, thigh, 0.4, pi/2, 0.1", "knee, shin, 0.3, 0.2, 0", "wrist, hand, 0.05, 0, 0.2")

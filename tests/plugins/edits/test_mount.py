@@ -1,27 +1,20 @@
 """The edit `mount`: a frame on a fixed joint, with a box or without, and the optical frame of a camera."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 from lxml import etree
 
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.plugin_system import load
+from dh2urdf.robot import Robot
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.mount import MountOptions, edit_robot
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    from dh2urdf.robot import Robot
 
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
 
@@ -64,7 +57,7 @@ def test_a_box_is_solid(robot: Robot) -> None:
     assert len(link.visuals) == len(link.collisions) == 1
 
 
-def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Callable[..., Answer]) -> None:
+def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Cli) -> None:
     """As everywhere in a run file; what is no angle, or may be in degrees, is refused before anything is read."""
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text(
@@ -80,7 +73,7 @@ def test_angles_are_numbers_or_expressions(tmp_path: Path, cli: Callable[..., An
         assert message in cli("convert", tmp_path / "arm.csv", "--edit", edit, status=2).stderr
 
 
-def test_in_a_run(tmp_path: Path, cli: Callable[..., Answer]) -> None:
+def test_in_a_run(tmp_path: Path, cli: Cli) -> None:
     """In the order of the list: the second one is mounted on the first; every file is proved."""
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text(

@@ -1,23 +1,17 @@
 """The edit `payload`: what the arm carries, also beside what it carries already."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 from lxml import etree
 
 from dh2urdf.manipulator import Inertia, Payload
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.payload import PayloadOptions, edit_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
 
 UR5 = reference_manipulators()[0]
 TABLE = "# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n"
@@ -70,7 +64,7 @@ def cloud(body: Payload) -> tuple[Any, Any]:
     return np.concatenate([np.array(body.com) + reach.T, np.array(body.com) - reach.T]), np.full(6, body.mass / 6)
 
 
-def test_it_is_a_link_of_every_file(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_it_is_a_link_of_every_file(cli: Cli, tmp_path: Path) -> None:
     """The link `payload` has its mass, hangs on the last link by a fixed joint, and the efforts carry it."""
     (tmp_path / "arm.csv").write_text(TABLE)
     (tmp_path / "run.yaml").write_text("inputs: arm.csv\nedits: []\noutput: out\nreport: {html: false}\n")

@@ -1,17 +1,13 @@
 """The edit `rename`: other names of joints and links."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import EditError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.rename import RenameOptions, edit_table
-
-if TYPE_CHECKING:
-    from dh2urdf.manipulator import Manipulator
 
 UR5 = reference_manipulators()[0]  # joint_1 to joint_6, link_1 to link_6
 

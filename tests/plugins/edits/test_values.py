@@ -1,30 +1,22 @@
 """The edit `values`: cells get a value, a factor or a summand, in the units of tables, and everything follows."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
+from command_line import Cli
 from hypothesis import given, strategies as st
 from jsonschema import Draft202012Validator
 
 import dh2urdf
 from dh2urdf.errors import ConfigError, EditError
-from dh2urdf.manipulator import Inertia, JointType, Limits
+from dh2urdf.manipulator import DHRow, Inertia, JointType, Limits, Manipulator
 from dh2urdf.testing import reference_manipulators
 from dh2urdf_plugins.edits.values import ValuesOptions, edit_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-
-    from dh2urdf.manipulator import DHRow, Manipulator
 
 UR5 = reference_manipulators()[0]
 TABLE = "# convention: standard\n# name: arm\njoint, type, a [mm], alpha [deg], d [mm], lower, upper\n"
@@ -133,7 +125,7 @@ def test_an_unknown_cell_is_found_before_anything_is_made(tmp_path: Path) -> Non
     assert "alpha" in str(found.suggestion)
 
 
-def test_files_are_those_of_a_table_with_these_cells(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_files_are_those_of_a_table_with_these_cells(cli: Cli, tmp_path: Path) -> None:
     """Byte by byte but for the comment, by the command line, by Python and by a run; and proved against these cells."""
     before = tmp_path / "arm.csv"
     before.write_text(TABLE + HIP.format(a=400, alpha=90) + SLIDE.format(lower=-100))
@@ -167,7 +159,7 @@ def test_variants_are_changed_after_they_are_drawn(tmp_path: Path) -> None:
         assert made.d == 0.3
 
 
-def test_the_schema_of_run_files_knows_the_cells(cli: Callable[..., Answer]) -> None:
+def test_the_schema_of_run_files_knows_the_cells(cli: Cli) -> None:
     """Joints have any names, cells are numbers or texts; options of `masses` by name have masses in units."""
     check = Draft202012Validator(json.loads(cli("schema", "run").stdout))
 

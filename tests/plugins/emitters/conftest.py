@@ -1,8 +1,7 @@
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -23,9 +22,6 @@ from dh2urdf.robot import (
     Visual,
 )
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 GREY = Material(name="grey", rgba=(0.5, 0.5, 0.5, 1.0))
 ORANGE = Material(name="orange", rgba=(1.0, 0.5, 0.0, 1.0))

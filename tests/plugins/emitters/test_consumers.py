@@ -1,12 +1,11 @@
 """The written files in the hands of others: readers that share no code with this project, and people who edit."""
 
-from __future__ import annotations
-
 import re
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -16,21 +15,16 @@ from hypothesis import given, settings
 
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.stages import ReadsBack
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.robot import Robot
+from dh2urdf.stages import Emitter, ReadsBack
 from dh2urdf.testing.oracle import table_pose as dh_product
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
-    from dh2urdf.stages import Emitter
-
-    Table = Callable[..., Manipulator]
+Table = Callable[..., Manipulator]
 
 READ_BY_ALL = ["urdoc_ur5", "rtb_Panda", "rtb_Stanford", "kinova_gen3_std", "rkc_Brooks_PreciseFlex_400_750"]
 frames = pytest.mark.parametrize("frames", ["aligned", "dh"])

@@ -1,12 +1,11 @@
 """What SDF and MJCF have in common: read back, both are the robot that was written."""
 
-from __future__ import annotations
-
 import re
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,22 +15,15 @@ from hypothesis import given, settings
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Inertial, Mesh
-from dh2urdf.stages import ReadsBack
+from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.robot import Inertial, Link, Mesh, Robot
+from dh2urdf.stages import Emitter, ReadsBack
 from dh2urdf_plugins.base_bodies import BASE
 from dh2urdf_plugins.formats.mjcf import EMITTER as MJCF
 from dh2urdf_plugins.formats.sdf import EMITTER as SDF
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Link, Robot
-    from dh2urdf.stages import Emitter
 
 formats = pytest.mark.parametrize("emitter", [SDF, MJCF], ids=lambda emitter: emitter.name)
 frames = pytest.mark.parametrize("frames", ["aligned", "dh"])

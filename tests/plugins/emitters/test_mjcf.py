@@ -1,19 +1,18 @@
 """MJCF as MuJoCo itself reads it, and moves it."""
 
-from __future__ import annotations
-
 import math
 import random
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
-from dh2urdf.robot import Box, Cylinder, Sphere
+from dh2urdf.robot import Box, Cylinder, Robot, Sphere
 from dh2urdf.robot_check.contacts import capsule_distance
 from dh2urdf_plugins.formats.mjcf import EMITTER, MjcfOptions
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
@@ -22,11 +21,6 @@ from dh2urdf_plugins.home_pose import stepped
 from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from servo_steps import follow
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.robot import Robot
 
 mujoco = pytest.importorskip("mujoco")
 

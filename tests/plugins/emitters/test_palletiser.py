@@ -1,20 +1,15 @@
 """A palletiser: two parallelograms as rows that follow, in every format, for every program that can ask them."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer
 
 TABLE = Path(__file__).parents[3] / "configs" / "palletiser" / "irb460.yaml"
 FILES = ("arm.urdf", "arm.sdf", "arm.xml", "arm.urdf.xacro")
@@ -70,7 +65,7 @@ def test_the_table_comes_back(folder: Path, name: str) -> None:
     assert again.rows == arm.rows
 
 
-def test_the_printed_table_has_the_laws(folder: Path, cli: Callable[..., Answer]) -> None:
+def test_the_printed_table_has_the_laws(folder: Path, cli: Cli) -> None:
     """Of an arm without followers it has no such column."""
     rows = cli("extract", folder / "arm.urdf").stdout.splitlines()
     assert rows[1].split()[-1] == "follows"
@@ -106,9 +101,7 @@ def test_code_has_the_laws(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("loader", ["pybullet", "mujoco", "pinocchio", "drake", "gazebo"])
-def test_a_loader_confirms_it(
-    loader: str, cli: Callable[..., Answer], tmp_path: Path, require_loaders: Callable[..., None]
-) -> None:
+def test_a_loader_confirms_it(loader: str, cli: Cli, tmp_path: Path, require_loaders: Callable[..., None]) -> None:
     """Its joints, its limits and masses are found, tool0 is where the table has it, and it holds its weight."""
     require_loaders(loader)
     run = tmp_path / "run.yaml"

@@ -1,7 +1,5 @@
 """Profiles, each proved by the reader that it is for: what is better with it than with the portable file."""
 
-from __future__ import annotations
-
 import ctypes
 import logging
 import math
@@ -10,10 +8,11 @@ import shutil
 import subprocess
 import tomllib
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -23,7 +22,7 @@ import dh2urdf_plugins.formats.urdf
 from dh2urdf.cells.attachments import attached
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose
 from dh2urdf.errors import EmitterError
-from dh2urdf.robot import Origin
+from dh2urdf.robot import Origin, Robot
 from dh2urdf.stages import GivesNotices, ReadsBack
 from dh2urdf_plugins.edits.attach import AttachOptions
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF, ProfileName
@@ -32,12 +31,7 @@ from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
 from dh2urdf_plugins.formats.xacro.reader import expand
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from dh2urdf.robot import Robot
-
-    Write = Callable[..., Path]
+Write = Callable[..., Path]
 
 PAGE = Path(__file__).parents[3] / "docs" / "profiles.md"
 CONFIGS = Path(__file__).parents[3] / "configs"

@@ -1,8 +1,7 @@
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
@@ -11,10 +10,7 @@ from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.plugin_system import load
 from dh2urdf.robot import Link, Material, Parameter, Robot, Sphere, Visual
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Change = Callable[[Robot], Robot]
+Change = Callable[[Robot], Robot]
 
 
 def link(of: str, robot: Robot, /, **words: Any) -> Robot:

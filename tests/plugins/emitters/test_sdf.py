@@ -1,10 +1,9 @@
 """SDF as sdformat and Drake read it."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,15 +11,11 @@ from drake_frames import drake_plant
 from lxml import etree
 from sdformat_calls import sdformat
 
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf.stages import ReadsBack
 from dh2urdf_plugins.formats.sdf import EMITTER, SdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

@@ -1,9 +1,7 @@
-from __future__ import annotations
-
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -12,12 +10,9 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Sphere, Visual
-from dh2urdf.stages import ReadsBack
+from dh2urdf.stages import Emitter, ReadsBack
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.xacro import EMITTER as XACRO
-
-if TYPE_CHECKING:
-    from dh2urdf.stages import Emitter
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 angles = numbers | st.sampled_from([k * 3.141592653589793 / m for k in range(-6, 7) for m in (1, 2, 3, 4, 6)])

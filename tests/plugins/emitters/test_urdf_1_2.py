@@ -1,12 +1,11 @@
 """URDF 1.2, where it is asked for: limits of acceleration and jerk, and capsules, as other programs read them."""
 
-from __future__ import annotations
-
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -14,14 +13,9 @@ import pytest
 
 import dh2urdf
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import JointType, LinkGeometry
+from dh2urdf.manipulator import JointType, LinkGeometry, Manipulator
 from dh2urdf.robot import Cylinder, Sphere
 from dh2urdf_plugins.formats import read_urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 RADIUS = 0.03

@@ -1,9 +1,8 @@
 """One file is the oracle of many: what is filled into a template is what `emit` writes of each robot by itself."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +12,6 @@ from dh2urdf.columns import RobotColumns, stacked
 from dh2urdf.robot import Box, Collision, Cylinder, Origin, Robot, Sphere
 from dh2urdf.stages import EmitsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 NUMBERS = st.one_of(
     st.sampled_from([0.0, -0.0, 1.0, -1.0, 0.5, 1e16, 1e-7, 1e22, 5e-324, 0.4000000000000001]),

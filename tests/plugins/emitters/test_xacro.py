@@ -1,12 +1,10 @@
-from __future__ import annotations
-
 import math
 import re
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -16,16 +14,13 @@ from lxml import etree
 from dh2urdf.cells.attachments import attached
 from dh2urdf.errors import EmitterError, ProofError
 from dh2urdf.manipulator import JointType
-from dh2urdf.robot import Follower
+from dh2urdf.robot import Follower, Robot
 from dh2urdf_plugins.edits.attach import AttachOptions
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.formats.xacro import EMITTER, XacroOptions
 from dh2urdf_plugins.formats.xacro.reader import expand, read_xacro
 from dh2urdf_plugins.formats.xacro.writer import angle_text, macro_name
-
-if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
 
 SCENE = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="scene">{}</robot>'
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import operator
 import os
 import pickle
@@ -8,19 +6,17 @@ import signal
 import subprocess
 import sys
 import traceback
+from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import ConfigError, Dh2UrdfError, ExecutorError
 from dh2urdf.stages import Lost
 from dh2urdf_plugins.executors.local import EXECUTOR, LocalOptions, map_locally
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-    from pathlib import Path
-    from types import ModuleType
 
 # The work is done by functions of the standard library: a worker has to import what it is to call.
 call = operator.methodcaller("__call__")

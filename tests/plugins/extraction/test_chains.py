@@ -1,7 +1,5 @@
 """The table of any chain is the chain: random ones, and some with nearly parallel axes."""
 
-from __future__ import annotations
-
 import math
 import os
 import random

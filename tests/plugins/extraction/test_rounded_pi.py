@@ -1,7 +1,5 @@
 """Angles that were rounded or cut from parts of π are known, and other numbers are not."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,10 +1,8 @@
 """Tables of calibrated arms: links and masses of the arm's own size, and T(q) of the table."""
 
-from __future__ import annotations
-
 import math
 import random
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -13,9 +11,6 @@ import dh2urdf
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.extraction.splitting import with_split_links
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 HALF_PI = math.pi / 2
 # a, alpha, d, theta: of the size that the calibration files of a UR5 have

@@ -1,27 +1,21 @@
 """What the tests of all loaders share: an arm written by hand, and requests to load it or a published one."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
 from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.plugin_system import load as load_catalog
-from dh2urdf.stages import LoadRequest
+from dh2urdf.robot import Robot
+from dh2urdf.stages import LoadReport, LoadRequest
 from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
 from dh2urdf_plugins.transforms import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.robot import Robot
-    from dh2urdf.stages import LoadReport
 
 CATALOG = load_catalog()
 HEIGHT, UPPER_ARM, FOREARM = 0.3, 0.4, 0.35

@@ -1,16 +1,12 @@
 """What is attached to an arm, in every simulator: leaves at random joint values, masses, joints that follow."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import dh2urdf
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
 TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"

@@ -1,28 +1,24 @@
-from __future__ import annotations
-
 import math
 import re
 import socket
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import LoaderError, MissingProgramError
 from dh2urdf.robot import Collision, Mesh
+from dh2urdf.stages import LoadReport, LoadRequest
 from dh2urdf_plugins.loaders import coppeliasim
 from dh2urdf_plugins.loaders.coppeliasim import OPTIONS, turn
 from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
 
 LOADER = next(each for each in LOADERS if each.name == "coppeliasim")
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from dh2urdf.stages import LoadReport, LoadRequest
 
 pytest.importorskip("coppeliasim_zmqremoteapi_client")
 pytest.importorskip("zmq")

@@ -4,24 +4,19 @@ CI has no CoppeliaSim: there the loader asks the peer, which has to confirm and 
 DH2URDF_COPPELIASIM starts a CoppeliaSim (see `coppeliasim_server`), the real one is asked again; `--renew` keeps it.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import LoaderError
+from dh2urdf.stages import LoadRequest
 from dh2urdf_plugins.loaders.simulators import LOADERS, CoppeliaSimOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from dh2urdf.stages import LoadRequest
 
 pytest.importorskip("coppeliasim_zmqremoteapi_client")
 pytest.importorskip("zmq")

@@ -1,28 +1,22 @@
 """What holds for each loader: an arm that was written right is confirmed, and any other arm is refused."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
+from command_line import Cli
 
 from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.errors import LoaderError, MissingDependencyError, PluginError
 from dh2urdf.isolation.kept_children import KeptChildren
 from dh2urdf.plugin_system import load as load_catalog
 from dh2urdf.robot import Collision, Cylinder, Origin
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from conftest import Answer
-
-    from dh2urdf.stages import Finding, Loader, LoadReport, LoadRequest
+from dh2urdf.stages import Finding, Loader, LoadReport, LoadRequest
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 CATALOG = load_catalog()
@@ -270,7 +264,7 @@ def test_an_overlap_is_found(
 
 @pytest.mark.long
 @pytest.mark.parametrize(("config", "tips", "joints"), [("pair", 2, 12), ("ur5_on_track", 2, 7)])
-def test_a_cell_is_confirmed(cli: Callable[..., Answer], tmp_path: Path, config: str, tips: int, joints: int) -> None:
+def test_a_cell_is_confirmed(cli: Cli, tmp_path: Path, config: str, tips: int, joints: int) -> None:
     """Every tool0 of every arm of a cell is where the run file has it, in every simulator; all arms hold their weight.
 
     The root `world` of a cell is Drake's own world, and no link in SDF.

@@ -1,28 +1,22 @@
 """The hold test as all simulators do it: the load that gravity is, what counts as an overlap, and long chains."""
 
-from __future__ import annotations
-
 import math
 import random
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.manipulator import Inertia, JointType, Limits
 from dh2urdf.robot import Box, Collision, Cylinder, Inertial, Joint, Link, Origin, Robot, Sphere
-from dh2urdf.stages import LoadRequest
+from dh2urdf.stages import LoadReport, LoadRequest
 from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.loaders.measures import gravity_loads
 from dh2urdf_plugins.loaders.simulators import LOADERS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from dh2urdf.stages import LoadReport
 
 MOVING = ("pybullet", "mujoco", "drake")
 BODY = Inertial(mass=1.0, com=(0.05, 0.02, -0.03), inertia=Inertia(ixx=0.01, iyy=0.01, izz=0.01))

@@ -1,8 +1,6 @@
 # ruff: noqa: ISC004 - what is printed is one text
 """What simulators say: a faulty file is refused in their own words, and what they print becomes findings, each once."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,12 +1,12 @@
 """What is true of one simulator alone, or of some: MuJoCo, PyBullet, Pinocchio, Drake and sdformat."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,18 +14,13 @@ from dh2urdf.errors import CrashError, LoaderError, MissingProgramError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.robot import Inertial, Link, Origin
+from dh2urdf.stages import LoadReport
 from dh2urdf_plugins.formats import mjcf, urdf
 from dh2urdf_plugins.loaders import gazebo, mujoco, pinocchio
 from dh2urdf_plugins.loaders.simulators import LOADERS, PyBulletOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from dh2urdf.stages import LoadReport
-
-    Run = Callable[..., LoadReport]
+Run = Callable[..., LoadReport]
 
 # Stretched out along x with the rail at 0.05 m, as the hold test begins, gravity asks of the shoulder [N·m]:
 STATIC_LOAD = 9.81 * (2.0 * 0.2 + 1.0 * 0.4 + (0.5 + 0.2) * (0.4 + 0.35 + 0.05))

@@ -1,20 +1,15 @@
-from __future__ import annotations
-
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.stages import Rejected
 
 sys.path.insert(0, str(Path(__file__).parent))  # spreadsheets, which these tests share
 

@@ -1,19 +1,15 @@
 """Tables as people type them: each text of cases.yaml is the arm that it says, or is refused by the messages that it says."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import yaml
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 CASES: dict[str, dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("cases.yaml").read_text("utf-8"))
 TEXTS = [

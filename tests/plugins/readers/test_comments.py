@@ -1,19 +1,13 @@
 """Comment lines: those that declare something under a key, sentences that do, and prose."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.stages import Rejected
-
-    Read = Callable[..., list[Manipulator | Rejected]]
+Read = Callable[..., list[Manipulator | Rejected]]
 
 
 PROSE = [

@@ -1,10 +1,9 @@
-from __future__ import annotations
-
 import gc
 import io
 import warnings
+from collections.abc import Callable
 from itertools import islice
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -13,10 +12,6 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.stages import CSV
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
 STANDARD = TableOptions(convention="standard")
 HEADER = "joint,type,a,alpha,d,theta\n"

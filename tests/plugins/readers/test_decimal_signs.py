@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from readings import Read
-
-    from dh2urdf.stages import Rejected
 
 
 TOP = "# units: {length: mm}\n"

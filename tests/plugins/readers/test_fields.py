@@ -1,7 +1,5 @@
 """What the text of a header says, and words for types and conventions."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, strategies as st
 

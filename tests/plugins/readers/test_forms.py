@@ -1,7 +1,5 @@
 """Tables in every form, through every way in: the same arm comes out, or one question with the answer in it."""
 
-from __future__ import annotations
-
 import gc
 import io
 import math

@@ -1,10 +1,10 @@
 """Columns by the headers that makers write, through every reader: read, refused with the field that was meant, or named."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pytest
@@ -12,18 +12,13 @@ from pyarrow import parquet as pq
 
 from dh2urdf.manipulator import Inertia, JointType, Manipulator
 from dh2urdf.source import Problem
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.rows.cells import split_cell
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.fields import FIELDS
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.stages import Rejected
-
-    Read = Callable[[dict[str, str]], Manipulator | Rejected]
+Read = Callable[[dict[str, str]], Manipulator | Rejected]
 
 OPTIONS = TableOptions(convention="standard")
 

@@ -1,24 +1,20 @@
 """Tables as people write them, and published ones, against a DH product that this file spells out itself."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 REFERENCE = Path(__file__).parents[2] / "reference"
 INPUTS = json.loads((REFERENCE / "inputs" / "expected.json").read_text("utf-8"))

@@ -1,22 +1,16 @@
 """Rows that are no joints, fixed rows without a type, and numbers in place of names."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.stages import Rejected
-
-    Read = Callable[..., list[Manipulator | Rejected]]
+Read = Callable[..., list[Manipulator | Rejected]]
 
 
 @pytest.mark.parametrize(

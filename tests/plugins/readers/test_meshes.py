@@ -1,20 +1,15 @@
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.rotations import HALF_PI, RigidTransform
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
 
 
 @pytest.fixture

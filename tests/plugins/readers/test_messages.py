@@ -1,9 +1,8 @@
 """What a person reads: the whole text of every kind of message about a table, as prose to be reviewed in messages.yaml."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import yaml
@@ -11,11 +10,7 @@ import yaml
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import in_file_order
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.stages import Rejected
+from dh2urdf.stages import Rejected
 
 CASES: dict[str, dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("messages.yaml").read_text("utf-8"))
 

@@ -1,15 +1,10 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.words.names import MAX_NAME, name_fault
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 @pytest.mark.parametrize(

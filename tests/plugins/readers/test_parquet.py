@@ -1,16 +1,15 @@
-from __future__ import annotations
-
 import csv as python_csv
 import io
 import re
 import sys
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -24,11 +23,7 @@ from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from conftest import ReferenceRobot
+from reference_arms import ReferenceRobot
 
 Items = list[Manipulator | Rejected]
 Column = list[Any]

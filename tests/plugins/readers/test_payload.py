@@ -1,22 +1,15 @@
 """What an arm carries: read from tables and options, written back, and refused where it means nothing."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, DHRow, Inertia, Manipulator, Payload
-from dh2urdf.stages import WritesTables
+from dh2urdf.stages import Rejected, WritesTables
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.stages import Rejected
 
 WHOLE = "{mass: 2.5, com: [0, 0.01, 50 mm], inertia: {ixx: 0.01, iyy: 0.012, izz: 0.004, iyz: -0.001}}"
 MATRIX = "{mass: 2.5 kg, com: [0, 10 mm, 0.05], inertia: [[0.01, 0, 0], [0, 0.012, -0.001], [0, -0.001, 0.004]]}"

@@ -1,19 +1,13 @@
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.rotations import nearest_rotation, rotation_from_rpy
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
 
 angles = st.tuples(*[st.floats(-math.pi, math.pi)] * 3)
 

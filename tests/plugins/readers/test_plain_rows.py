@@ -1,10 +1,10 @@
 """The fast way through a table reads what the careful one reads, or leaves it to that."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -12,16 +12,11 @@ from hypothesis import given, settings, strategies as st
 from dh2urdf.errors import TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.header.units import Units
 from dh2urdf_plugins.readers.plain.rows import PlainNumbers, PlainRows
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator
-    from pathlib import Path
-
-    from dh2urdf.stages import Rejected
 
 
 @contextmanager

@@ -1,7 +1,5 @@
 """Public tables as their owners type them: read at the first try, or after the answer to one question."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from pathlib import Path

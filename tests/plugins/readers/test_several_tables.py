@@ -1,22 +1,16 @@
 """Several tables in one file, as the readers ``yaml`` and ``csv`` write them, and what a format leaves out."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import dh2urdf as api
 from dh2urdf.commands.extract import write_extracted
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.plugin_system import load
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
 
 TABLES = Path(__file__).parents[3] / "configs" / "tables"
 

@@ -1,29 +1,22 @@
 """Rows of six parameters, of Hayati and of Khalil and Kleinfinger, against an own product of their matrices."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from command_line import Cli
+from numpy.typing import NDArray
 
 import dh2urdf
+from dh2urdf import Manipulator
 from dh2urdf.errors import TableError
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from conftest import Answer
-    from numpy.typing import NDArray
-
-    from dh2urdf import Manipulator
-
-    Array = NDArray[np.float64]
-    Row = dict[str, Any]
+Array = NDArray[np.float64]
+Row = dict[str, Any]
 
 CONVENTIONS = ("standard", "modified")
 
@@ -158,7 +151,7 @@ def test_hayati_is_what_keeps_nearly_parallel_axes_near() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-def test_many_arms_of_one_file(convention: str, cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_many_arms_of_one_file(convention: str, cli: Cli, tmp_path: Path) -> None:
     """Arms with and without them, in batches of a run: each file is that of its table alone."""
     tables = {f"arm{seed}": random_rows(seed, convention) for seed in range(12)}
     plain = {"beta": 0.0, "gamma": 0.0, "b": 0.0}

@@ -1,23 +1,18 @@
 """The tables of `configs/`, opened and saved by spreadsheets, are the same arms."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from spreadsheets import ENGLISH, GERMAN, UNAWARE, Spreadsheet
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf.table_text.texts import table_text
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.sources import typed
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from dh2urdf.stages import Rejected
 
 FOLDER = Path(__file__).parents[3] / "configs" / "tables"
 TABLES = sorted(FOLDER.iterdir())

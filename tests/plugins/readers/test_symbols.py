@@ -1,17 +1,12 @@
 """Names for lengths: where they are defined, which are refused, and columns that the options leave out."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import Dh2UrdfError
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEADER = "i,theta,d,a,alpha"
 ROWS = "1,q1,L1,0,pi/2\n2,q2,0,a_2,0\n"

@@ -1,20 +1,14 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 import dh2urdf
 from dh2urdf.errors import TableError
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers.header.columns import TURN_ROUND
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.manipulator import Manipulator
 
 # --- One grammar: what stands around the columns means the same in every container -------------------------------------
 

@@ -3,28 +3,22 @@
 The oracle is arithmetic with exact fractions, by the definitions of the units. It shares nothing with the readers.
 """
 
-from __future__ import annotations
-
 import json
 import math
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pytest
 from pyarrow import parquet as pq
 
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Manipulator
+from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from pathlib import Path
-
-    from dh2urdf.manipulator import DHRow
-    from dh2urdf.stages import Rejected
 
 INCH, POUND, GRAVITY = Fraction("0.0254"), Fraction("0.45359237"), Fraction("9.80665")
 LENGTHS = {"mm": Fraction(1, 1000), "in": INCH}

@@ -1,24 +1,19 @@
 """Tables as texts: written in a format and told again by it, letter for letter."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
 
 from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Mark
-from dh2urdf.stages import WritesTables
+from dh2urdf.stages import Reader, WritesTables
 from dh2urdf.table_text import FIELDS, TableText
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.readers.words.comment_lines import SIGNS
-
-if TYPE_CHECKING:
-    from dh2urdf.stages import Reader
 
 READERS = {"csv": stages.CSV, "yaml": stages.YAML}
 TABLES = Path(__file__).parents[3] / "configs" / "tables"

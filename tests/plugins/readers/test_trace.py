@@ -1,7 +1,5 @@
 """What a reader reports about the cells that a manipulator comes from; the manipulator is the one that is read without."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,14 +1,9 @@
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from dh2urdf.manipulator import Convention, Inertia, JointType, LinkGeometry, Manipulator
 from dh2urdf.stages import Rejected
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 FULL = """
 name: ur5

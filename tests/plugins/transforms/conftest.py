@@ -1,17 +1,12 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import pytest
 
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from dh2urdf.robot import Robot
 
 UR5 = (
     # a [m], alpha in quarter turns, d [m]: table III of the paper

@@ -1,31 +1,25 @@
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.typing import NDArray
 
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, LinkGeometry, Manipulator, Payload
+from dh2urdf.robot import Inertial, Robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Mark
 from dh2urdf.testing.oracle import robot_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from dh2urdf.robot import Inertial, Robot
-
-    Table = Callable[..., Manipulator]
-    RobotOf = Callable[..., Robot]
+Table = Callable[..., Manipulator]
+RobotOf = Callable[..., Robot]
 
 GRAVITY = 9.81
 MARK = Mark(file="arm.csv", line=3)

@@ -1,11 +1,10 @@
 """One robot is the oracle of many: whatever is made side by side is what `alpha_swap` and `emit` make by themselves."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from unittest import mock
 
 import pytest
@@ -15,17 +14,13 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from dh2urdf.columns import in_columns
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import Inertia, Limits, LinkGeometry, Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.stages import EmitsInColumns, TransformsInColumns
 from dh2urdf_plugins.formats.urdf import EMITTER, UrdfOptions
 from dh2urdf_plugins.transforms import exact as transform_module
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from dh2urdf.robot import Robot
 
 FRAMES = st.sampled_from(["aligned", "dh"])
 SHAPES = ["cylinder", "box", "capsule", "arm"]

@@ -1,38 +1,31 @@
 """The exact variant is the arm of the table: two oracles that share nothing with it say so."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 from importlib import metadata
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
+from numpy.typing import NDArray
 
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
-from dh2urdf.robot import Box, Cylinder, Origin
+from dh2urdf.robot import Box, Cylinder, Origin, Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.testing.oracle import robot_pose, table_pose
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.formulas import Quantity, length_of
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from conftest import ReferenceRobot  # type: ignore[import-not-found]
-    from numpy.typing import NDArray
-
-    from dh2urdf.robot import Robot
+from reference_arms import ReferenceRobot
 
 FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
 SHAPES = ("cylinder", "box", "capsule", "arm")

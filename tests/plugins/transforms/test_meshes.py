@@ -1,9 +1,9 @@
-from __future__ import annotations
-
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,20 +11,13 @@ import trimesh
 
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import MissingDependencyError, TransformError
-from dh2urdf.manipulator import Inertia, JointType, MeshFile, MeshShape
+from dh2urdf.manipulator import Inertia, JointType, Manipulator, MeshFile, MeshShape
 from dh2urdf.meshes import find_mesh
-from dh2urdf.robot import Mesh
+from dh2urdf.robot import Mesh, Robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.meshes import mesh_body
 from dh2urdf_plugins.transforms.robots import alpha_swap, alpha_swap_columns
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
 
 ONE = (1.0, 1.0, 1.0)
 BOX = (0.1, 0.2, 0.3)

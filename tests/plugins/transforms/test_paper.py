@@ -1,25 +1,18 @@
 """What the paper says, and nothing else."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
 
 from dh2urdf.errors import TransformError
-from dh2urdf.robot import Box
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.robot import Box, Robot
 from dh2urdf.robot_check import check_robot
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM, AlphaSwapOptions
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
-
-    Table = Callable[..., Manipulator]
-    RobotOf = Callable[..., Robot]
+Table = Callable[..., Manipulator]
+RobotOf = Callable[..., Robot]
 
 HALF_PI = math.pi / 2
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

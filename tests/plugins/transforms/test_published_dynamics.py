@@ -4,29 +4,24 @@ The oracle knows neither the readers nor the transform: it computes both from th
 the centres of mass in the Denavit-Hartenberg product. Pinocchio computes them from the file.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from numpy.typing import NDArray
 
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics.mass import has_zero_moments, inertia_problem, principal_moments, repaired
 from dh2urdf.manipulator import Inertia, Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf_plugins.formats.urdf import EMITTER as URDF
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from dh2urdf.robot import Robot
 
 ARMS = yaml.safe_load((Path(__file__).parents[2] / "reference" / "dynamics.yaml").read_text("utf-8"))
 HAND = {"mass": 0.73, "com": [-0.01, 0.0, 0.03], "inertia": [0.001, 0.0025, 0.0017, 0.0001, 0.0, -0.0002]}

@@ -1,14 +1,13 @@
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.kinematics import dh_frames
 from dh2urdf.manipulator import Limits, LinkGeometry, Manipulator
-from dh2urdf.robot import Box, Cylinder, Origin, Sphere
+from dh2urdf.robot import Box, Cylinder, Link, Origin, Robot, Sphere, Visual
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -23,13 +22,8 @@ from dh2urdf.rotations import (
 )
 from dh2urdf_plugins.transforms.shapes import AHEAD, BARREL, BARREL_LENGTH, CAP, CAP_LENGTH, TUBE
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.robot import Link, Robot, Visual
-
-    Table = Callable[..., Manipulator]
-    RobotOf = Callable[..., Robot]
+Table = Callable[..., Manipulator]
+RobotOf = Callable[..., Robot]
 
 FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
 HALF_PI = math.pi / 2

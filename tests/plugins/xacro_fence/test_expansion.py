@@ -3,30 +3,23 @@
 What makers write goes on working: the same constructs expand as in the real xacro, byte by byte.
 """
 
-from __future__ import annotations
-
 import importlib
 import os
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
 import yaml
+from command_line import Cli
 
 from dh2urdf.errors import CrashError, InputError, ProofError
 from dh2urdf.isolation import run_in_child
 from dh2urdf.stages import Expansion
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from types import ModuleType
-
-    from conftest import Answer
-
 
 ROBOT = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r">{}</robot>'
 SECRET = "a-secret-of-the-user"  # noqa: S105 - a canary
@@ -106,7 +99,7 @@ def test_a_hostile_file_is_refused_by_name(package: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in ATTACKS if name not in ("macros", "loops")])  # these take seconds
-def test_no_command_runs_a_hostile_file(cli: Callable[..., Answer], package: Path, name: str) -> None:
+def test_no_command_runs_a_hostile_file(cli: Cli, package: Path, name: str) -> None:
     """`check`, `convert`, `info` and a run refuse what cannot be expanded behind the fence, and `run` takes no xacro."""
     path = attack(package, name)
     before = sorted(package.iterdir())
@@ -234,7 +227,7 @@ def test_what_makers_write_expands_as_in_the_real_xacro() -> None:
     ids=" ".join,
 )
 def test_what_is_written_expands_as_in_the_real_xacro(
-    cli: Callable[..., Answer], tmp_path: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+    cli: Cli, tmp_path: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The xacro and the ROS package of a UR5: their YAML files, conditions and macros, byte by byte."""
     table = tmp_path / "ur5.csv"

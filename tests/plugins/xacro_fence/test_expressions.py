@@ -1,7 +1,5 @@
 """Expressions mean what they mean to the real xacro, or are refused; none reaches anything but its data."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,12 +1,11 @@
 """Scenes as binary glTF, read again by trimesh; and frames as an animation."""
 
-from __future__ import annotations
-
 import base64
 import io
 import json
 import struct
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,17 +15,13 @@ from PIL import Image
 from dh2urdf.errors import OutputError
 from dh2urdf.kinematics import dh_frames, link_poses
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_studio.drawing.exports import LARGEST, gif, glb
 from dh2urdf_studio.drawing.scene import LAYERS, Drawing
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import BOTH, Session
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 

@@ -1,7 +1,5 @@
 """Triangles and textures of mesh files as the page takes them, held against trimesh; each file is read once."""
 
-from __future__ import annotations
-
 import importlib
 import io
 import json
@@ -9,7 +7,8 @@ import os
 import struct
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,15 +17,11 @@ from PIL import Image
 
 from dh2urdf.errors import OutputError
 from dh2urdf.isolation import Child
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.drawing import mesh_files
 from dh2urdf_studio.drawing.exports import glb
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh, MeshStore, triangles
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 
 def parts(mesh: DrawnMesh) -> list[tuple[Any, Any, Any]]:

@@ -1,10 +1,8 @@
 """What is drawn of robots, and what a dragged link moves: held against poses and published numbers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,8 @@ import trimesh
 
 from dh2urdf.kinematics import joint_variables
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.manipulator import Convention, Inertia, JointType, Limits
+from dh2urdf.manipulator import Convention, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.robot import Box, Collision, Follower, Inertial, Joint, Link, Material, Mesh, Origin, Robot, Visual
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.table_text.texts import table_text
@@ -21,14 +20,7 @@ from dh2urdf_studio.drawing.scene import FRAME_SIZE, Drawing, Figure
 from dh2urdf_studio.editing.reading import make
 from dh2urdf_studio.view_page import contents
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from conftest import ReferenceRobot
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system import Catalog
+from reference_arms import ReferenceRobot
 
 
 def figure(arm: Manipulator, catalog: Catalog) -> Figure:

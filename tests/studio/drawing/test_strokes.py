@@ -1,17 +1,17 @@
 """A frame on its way through a row, and common normals: against textbooks, tables, and a search for nearest points."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dh2urdf.conversion.robots import make_robot
 from dh2urdf.kinematics import dh_frames, row_transform
 from dh2urdf.kinematics.chain import Screw, as_matrices
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.plugin_system.calls import default_call
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_studio.drawing.strokes import (
@@ -27,11 +27,6 @@ from dh2urdf_studio.drawing.strokes import (
 )
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from dh2urdf.plugin_system import Catalog
 
 PLACE = RigidTransform.from_xyz_rpy((0.3, -0.2, 0.5), (0.4, -0.3, 1.1))
 

@@ -1,23 +1,18 @@
 """A program drives the robots of `dh2urdf view`, and a browser shows it; pages from elsewhere drive nothing."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import math
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
 
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from dh2urdf.plugin_system import Catalog
 
 UR5 = Path(__file__).parents[3] / "configs" / "tables" / "ur5.csv"
 GRIPPER = """<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/>

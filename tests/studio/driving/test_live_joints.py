@@ -1,21 +1,16 @@
 """Requests of programs that move the joints of a view."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import InputError
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.live_joints import LiveJoints
 from dh2urdf_studio.viewing import View, load_figures
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 GRIPPER = """<robot name="gripper"><link name="palm"/><link name="left"/><link name="right"/><link name="wheel"/>
 <joint name="l" type="prismatic"><parent link="palm"/><child link="left"/><axis xyz="0 1 0"/>

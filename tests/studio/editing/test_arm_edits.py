@@ -1,13 +1,12 @@
 """Edits of the arm in a session: the drawing, the sliders and the files are those of the edited arm."""
 
-from __future__ import annotations
-
 import io
 import math
 import shutil
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,15 +15,11 @@ import dh2urdf
 import dh2urdf_studio
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.drawing.scene import Figure
 from dh2urdf_studio.editing import edits, save
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
 
 HAND = Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf"
 UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"

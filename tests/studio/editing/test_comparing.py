@@ -14,6 +14,7 @@ import pytest
 import dh2urdf
 import dh2urdf_studio
 from dh2urdf.errors import InputError
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.drawing.scene import Drawing
 from dh2urdf_studio.editing import comparing
@@ -23,7 +24,6 @@ from dh2urdf_studio.editing.opening import gallery_table, open_tables
 from dh2urdf_studio.editing.session import Session
 
 if TYPE_CHECKING:
-    from dh2urdf.plugin_system import Catalog
     from dh2urdf_studio.drawing.scene import Figure
 
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"

@@ -1,13 +1,12 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from dh2urdf.kinematics import angle_error, forward_kinematics, position_error
 from dh2urdf.manipulator import Convention, DHRow, Inertia, JointType, Limits, Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.table_text import TableText
 from dh2urdf.table_text.texts import table_text
@@ -15,15 +14,9 @@ from dh2urdf_studio.editing.conversions import with_convention, with_units
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.reading import make
 from dh2urdf_studio.editing.session import Session
+from reference_arms import ReferenceRobot
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import ReferenceRobot
-
-    from dh2urdf.plugin_system import Catalog
-
-    Arms = Callable[..., Manipulator]
+Arms = Callable[..., Manipulator]
 
 OTHER = {Convention.STANDARD: Convention.MODIFIED, Convention.MODIFIED: Convention.STANDARD}
 ARM = Manipulator(

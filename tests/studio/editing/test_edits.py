@@ -1,22 +1,17 @@
 """What is done to a table, its past, and what a browser keeps of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import given, strategies as st
 
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.edits import History, arranged, kept_table, kept_text, rearranged, resized, with_cells
 from dh2urdf_studio.editing.opening import gallery, gallery_table
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from dh2urdf.plugin_system import Catalog
 
 EMPTY = TableText()
 THREE = edits.with_cells(edits.resized(EMPTY, 3), {(0, "a"): "1", (1, "a"): "2", (2, "a"): "3"})

@@ -1,27 +1,22 @@
 """Files that are opened, and what is pasted: cells of spreadsheets and of texts, and whole tables with their headers."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import InputError
 from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import TableText
 from dh2urdf_plugins.packages.table import TableOptions
 from dh2urdf_plugins.packages.table.notation import latex_file, markdown_file
 from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.opening import cells_of, open_tables, orders, pasted, tables_of, whole_tables
 from dh2urdf_studio.editing.reading import read_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
 
 REFERENCE = Path(__file__).parents[2] / "reference" / "inputs"
 TABLES = Path(__file__).parents[3] / "configs" / "tables"

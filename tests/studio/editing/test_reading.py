@@ -1,20 +1,14 @@
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.source import in_file_order
 from dh2urdf.stages import WritesTables
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.editing import edits
 from dh2urdf_studio.editing.reading import make, read, read_whole
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 GOOD = TableText(
     name="x",

@@ -1,23 +1,18 @@
-from __future__ import annotations
-
 import io
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from dh2urdf.errors import EmitterError, InputError
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import TableText
 from dh2urdf_studio.editing import edits, save
 from dh2urdf_studio.editing.opening import gallery, gallery_table, tables_of
 from dh2urdf_studio.editing.reading import read_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from dh2urdf.plugin_system import Catalog
 
 EXHIBITS = list(gallery())
 

@@ -1,20 +1,15 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
+from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import NAMES
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from dh2urdf.plugin_system import Catalog
 
 
 @pytest.fixture

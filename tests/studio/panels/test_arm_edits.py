@@ -1,16 +1,12 @@
 """The panel of edits, in a real browser."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 import dh2urdf_studio
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 HAND = Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf"
 UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"

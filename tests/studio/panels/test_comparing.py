@@ -1,7 +1,5 @@
 """A description beside the table, in a real browser."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from typing import Any

@@ -1,25 +1,20 @@
 """The row that is explained: its words, and the panel in the browser."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dh2urdf.kinematics import dh_frames, dh_transform
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import Convention
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.panels.lesson import explained
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from dh2urdf.plugin_system import Catalog
 
 
 def matrices(html: str) -> list[list[list[str]]]:

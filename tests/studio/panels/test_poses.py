@@ -1,10 +1,9 @@
 """Stored poses and their playback, and measuring, in the browser."""
 
-from __future__ import annotations
-
 import re
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,15 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from dh2urdf.kinematics import dh_frames, forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 from dh2urdf_studio.panels.poses import between
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.plugin_system import Catalog
 
 ANGLE = st.floats(-3.0, 3.0)
 

@@ -1,12 +1,11 @@
 """Links that hold a table, and pictures, in the browser."""
 
-from __future__ import annotations
-
 import base64
 import io
 import zlib
+from collections.abc import Callable
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,15 +14,10 @@ from PIL import Image
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.plugin_system import Catalog
 from dh2urdf_studio.drawing.exports import FRAMES, LARGEST
 from dh2urdf_studio.editing.edits import kept_table
 from dh2urdf_studio.editing.opening import gallery_table
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.plugin_system import Catalog
-
 
 pytestmark = pytest.mark.long
 

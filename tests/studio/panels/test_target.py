@@ -1,9 +1,8 @@
 """The pose of tool0, typed and dragged, in the browser."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,13 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from dh2urdf.kinematics import forward_kinematics
 from dh2urdf.kinematics.chain import as_matrices
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.rotations import RigidTransform
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-
 
 pytestmark = pytest.mark.long
 

@@ -1,21 +1,15 @@
-from __future__ import annotations
-
+from collections.abc import Callable
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 import dh2urdf
+from dh2urdf.manipulator import Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
 

@@ -1,10 +1,8 @@
 """Packages and SRDFs of arms that hold something: a hand with a joint that follows another one, and its files."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ import dh2urdf
 from dh2urdf.cells.attachments import attached
 from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose
 from dh2urdf.errors import EmitterError
-from dh2urdf.robot import Origin
+from dh2urdf.robot import Origin, Robot
 from dh2urdf.stages import Expansion, GivesNotices
 from dh2urdf_plugins.collision_pairs.options import PairOptions
 from dh2urdf_plugins.collision_pairs.search import robot_pairs
@@ -28,9 +26,6 @@ from dh2urdf_plugins.packages.srdf import EMITTER as SRDF, SrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from dh2urdf.robot import Robot
 
 HERE = Path(__file__).parent
 HAND = HERE.parents[1] / "edits" / "hand.urdf"

@@ -1,12 +1,11 @@
 """The files of a description package, held against the table by an oracle of its own."""
 
-from __future__ import annotations
-
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,8 @@ from lxml import etree
 import dh2urdf
 from dh2urdf.errors import ConfigError, Dh2UrdfError
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.robot import Robot
 from dh2urdf.rotations import RigidTransform
 from dh2urdf.stages import Expansion, GivesNotices
 from dh2urdf.testing.oracle import robot_pose, table_pose
@@ -27,12 +27,6 @@ from dh2urdf_plugins.packages.ros2 import EMITTER, PLUGINS, Ros2Options
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from dh2urdf.manipulator import Manipulator
-    from dh2urdf.robot import Robot
 
 CONFIGS = Path(__file__).parents[4] / "configs"
 TABLES = ["ur5.csv", "panda.yaml", "scara.csv", "stanford.csv"]

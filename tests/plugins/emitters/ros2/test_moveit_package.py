@@ -1,13 +1,12 @@
 """The files of a MoveIt package: joints and links of its description, typed numbers, and a package that is one."""
 
-from __future__ import annotations
-
 import runpy
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 import yaml
@@ -19,10 +18,7 @@ from dh2urdf_plugins.packages.ros2 import EMITTER, Ros2Options
 from dh2urdf_plugins.packages.ros2.yaml_files import planning_limits
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Cli = Callable[..., Any]
+Cli = Callable[..., Any]
 
 pytest.importorskip("pinocchio")
 

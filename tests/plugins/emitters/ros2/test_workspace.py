@@ -1,13 +1,12 @@
 """Packages in a workspace: the command that makes them, and Debian's ament, colcon and catkin_pkg, the real ones."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import xacro
@@ -18,10 +17,7 @@ from dh2urdf.errors import ConfigError
 from dh2urdf_plugins.packages.ros2 import Ros2Options
 from dh2urdf_plugins.packages.ros2.package_files import package_xml
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Cli = Callable[..., Any]
+Cli = Callable[..., Any]
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
 HAND = Path(__file__).parents[2] / "edits" / "hand.urdf"

@@ -1,7 +1,5 @@
 """Collision pairs of an earlier SRDF are brought up to date, and every other byte stays."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

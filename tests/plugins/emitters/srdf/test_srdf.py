@@ -1,30 +1,20 @@
 """SRDFs of robots and cells: what srdfdom reads, with names that the URDF has."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+from command_line import Cli
 from lxml import etree
 
 import dh2urdf
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Limits
+from dh2urdf.robot import Robot
 from dh2urdf_plugins.formats import urdf
 from dh2urdf_plugins.packages.srdf import EMITTER, SrdfOptions
 from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 from dh2urdf_plugins.transforms.robots import alpha_swap
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer  # type: ignore[import-not-found]
-
-    from dh2urdf.robot import Robot
-
-    Cli = Callable[..., Answer]
 
 pytest.importorskip("pinocchio")
 

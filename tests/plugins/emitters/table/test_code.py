@@ -1,17 +1,17 @@
 """What the emitter ``table`` writes for others: code, which is run and has the T(q) of the table, and papers."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import shutil
 import subprocess
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import Convention, DHRow, JointType, Manipulator
@@ -19,13 +19,7 @@ from dh2urdf.testing.oracle import table_pose as product
 from dh2urdf_plugins.packages.table import TableOptions
 from dh2urdf_plugins.packages.table.code import left_out_of_code, matlab_file, toolbox_file
 from dh2urdf_plugins.packages.table.notation import escaped, latex_file, markdown_file
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from conftest import ReferenceRobot
-    from numpy.typing import NDArray
-
+from reference_arms import ReferenceRobot
 
 SAME = 1e-12
 needs_toolbox = pytest.mark.skipif(

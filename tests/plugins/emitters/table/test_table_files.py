@@ -1,13 +1,12 @@
 """Tables that the emitter ``table`` writes as YAML, CSV and JSON are read back as they were, byte for byte."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from command_line import Cli
 
 import dh2urdf as api
 from dh2urdf.errors import EmitterError
@@ -15,11 +14,7 @@ from dh2urdf.manipulator import LinkGeometry, Manipulator, MeshFile, MeshShape, 
 from dh2urdf.robot import Arm, Link, Origin, Robot
 from dh2urdf.stages import GivesNotices, OtherFiles
 from dh2urdf_plugins.packages.table import EMITTER, SUFFIXES, TableOptions
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from conftest import Answer, ReferenceRobot
+from reference_arms import ReferenceRobot
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
 
@@ -122,7 +117,7 @@ def test_published_tables_come_back(
 
 @pytest.mark.parametrize("table", sorted(TABLES.iterdir()), ids=lambda path: path.name)
 @pytest.mark.parametrize("suffix", [".yaml", ".csv", ".json"])
-def test_convert_writes_tables(cli: Callable[..., Answer], tmp_path: Path, table: Path, suffix: str) -> None:
+def test_convert_writes_tables(cli: Cli, tmp_path: Path, table: Path, suffix: str) -> None:
     """The suffix chooses the format, the table is proved, and a table of the table is the same file."""
     first, second = tmp_path / f"first{suffix}", tmp_path / "again" / f"second{suffix}"
     answer = cli("convert", table, "-o", first)
@@ -132,7 +127,7 @@ def test_convert_writes_tables(cli: Callable[..., Answer], tmp_path: Path, table
     assert api.read(first) == api.read(table)
 
 
-def test_a_description_becomes_a_table(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_a_description_becomes_a_table(cli: Cli, tmp_path: Path) -> None:
     """`convert arm.urdf -o arm.csv` writes the table that `extract` writes, without its comments."""
     cli("convert", TABLES / "ur5.csv", "-o", tmp_path / "ur5.urdf")
     cli("convert", tmp_path / "ur5.urdf", "-o", tmp_path / "converted.yaml")
@@ -141,7 +136,7 @@ def test_a_description_becomes_a_table(cli: Callable[..., Answer], tmp_path: Pat
     assert (tmp_path / "converted.yaml").read_text().splitlines() == [line for line in extracted if line[0] != "#"]
 
 
-def test_split_rows_are_in_the_table(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_split_rows_are_in_the_table(cli: Cli, tmp_path: Path) -> None:
     """What the option near_parallel makes of a calibrated table is what is written."""
     numbers = [(0, 1.5719, 0.15), (-0.6, 0.001, 574.2), (-0.57, -0.0009, -507.1), (0, 1.5702, -66.9)]
     numbers += [(0, -1.5711, 0.1), (0, 0, 0.09)]
@@ -157,7 +152,7 @@ def test_split_rows_are_in_the_table(cli: Callable[..., Answer], tmp_path: Path)
     assert abs(split.fk(q) - given.fk(q)).max() <= 1e-11
 
 
-def test_what_can_be_read_back_is_proved(cli: Callable[..., Answer], tmp_path: Path) -> None:
+def test_what_can_be_read_back_is_proved(cli: Cli, tmp_path: Path) -> None:
     """A table for a paper is the main file, and the table beside it is the one that is proved."""
     words = ["convert", TABLES / "ur5.csv", "-o", tmp_path / "ur5.tex"]
     assert "not proved" in cli(*words).stderr
@@ -197,7 +192,7 @@ def test_several_formats(arm: Manipulator) -> None:
     assert others.one_file(options).formats == ("latex",)
 
 
-def test_links_that_no_table_has_are_noticed(tmp_path: Path, cli: Callable[..., Answer]) -> None:
+def test_links_that_no_table_has_are_noticed(tmp_path: Path, cli: Cli) -> None:
     """What an edit has mounted is in the URDF, and a notice of the table names it."""
     (tmp_path / "arm.csv").write_text("# convention: standard\na, alpha, d\n0.4, pi/2, 0.1\n0.3, 0, 0\n")
     (tmp_path / "run.yaml").write_text(

@@ -28,6 +28,7 @@ import yaml
 from child_python import python
 from command_line import Answer, Cli
 from lxml import etree
+from plain_frames import rpy, shift, turn
 
 from dh2urdf.cli import exit_status_of
 from dh2urdf.errors import PluginError
@@ -386,7 +387,7 @@ def cli(
     return call
 
 
-# --- An oracle of URDF: twenty lines that share nothing with the project ----------------------------------------------
+# --- An oracle of URDF that shares nothing with the project -----------------------------------------------------------
 
 
 @pytest.fixture(scope="session")
@@ -406,9 +407,11 @@ def _tool0_of(path: Path) -> Callable[[Sequence[float]], np.ndarray]:
     def pose(q: Sequence[float]) -> np.ndarray:
         T, values = np.eye(4), iter(q)
         for joint in chain:
-            T = T @ _origin(joint.find("origin"))
+            origin = joint.find("origin")
+            T = T @ shift(*_numbers(origin, "xyz")) @ rpy(*_numbers(origin, "rpy"))
             if joint.get("type") != "fixed":
-                T = T @ _motion(joint.get("type"), _numbers(joint.find("axis"), "xyz"), next(values))
+                axis, value = _numbers(joint.find("axis"), "xyz"), next(values)
+                T = T @ (shift(*value * axis) if joint.get("type") == "prismatic" else turn(axis, value))
         assert not list(values), "more values than moving joints"
         return T
 
@@ -417,30 +420,6 @@ def _tool0_of(path: Path) -> Callable[[Sequence[float]], np.ndarray]:
 
 def _numbers(element: Any, name: str) -> np.ndarray:
     return np.array([float(word) for word in element.get(name).split()])
-
-
-def _origin(element: Any) -> np.ndarray:
-    roll, pitch, yaw = _numbers(element, "rpy")
-    T = np.eye(4)
-    T[:3, :3] = _turn([0, 0, 1], yaw) @ _turn([0, 1, 0], pitch) @ _turn([1, 0, 0], roll)
-    T[:3, 3] = _numbers(element, "xyz")
-    return T
-
-
-def _motion(kind: str, axis: Any, value: float) -> np.ndarray:
-    T = np.eye(4)
-    if kind == "prismatic":
-        T[:3, 3] = value * axis
-    else:
-        T[:3, :3] = _turn(axis, value)
-    return T
-
-
-def _turn(axis: Any, angle: float) -> np.ndarray:
-    """Rodrigues' formula."""
-    x, y, z = axis
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * K + (1 - math.cos(angle)) * (K @ K)
 
 
 # --- Tables as files --------------------------------------------------------------------------------------------------

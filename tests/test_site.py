@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from child_python import python
 from lxml import html
+from plain_frames import shift, turn
 
 import gallery
 import pictures
@@ -155,21 +156,6 @@ def test_the_gallery_shows_every_arm(*, renew: bool) -> None:
     assert path.read_text("utf-8") == intro + gallery.page(), "run `pytest --renew tests/test_site.py`"
 
 
-def turn(axis: str, angle: float) -> np.ndarray:
-    """A rotation about x or z as a homogeneous matrix."""
-    c, s = math.cos(angle), math.sin(angle)
-    T = np.eye(4)
-    i, j = {"x": (1, 2), "z": (0, 1)}[axis]
-    T[i, i], T[i, j], T[j, i], T[j, j] = c, -s, s, c
-    return T
-
-
-def move(axis: str, length: float) -> np.ndarray:
-    T = np.eye(4)
-    T["xyz".index(axis), 3] = length
-    return T
-
-
 def seen(camera: Camera, point: np.ndarray) -> tuple[float, float]:
     """Where a camera about z, then tilted, sees a point [px]: right is x, down is y."""
     view = turn("x", camera.elevation - math.pi / 2) @ turn("z", -camera.azimuth - math.pi / 2)
@@ -187,10 +173,10 @@ def test_lengths_are_drawn_along_their_axes(convention: str) -> None:
     """By the textbook's matrices: d on the joint's own axis, a on the common normal; both from where they begin to where they end."""
     a, alpha, d, theta = pictures.A, pictures.ALPHA, pictures.D, pictures.THETA
     if convention == "standard":  # Rz(θ) Tz(d) Tx(a) Rx(α)
-        corners = [np.eye(4), turn("z", theta) @ move("z", d), turn("z", theta) @ move("z", d) @ move("x", a)]
+        corners = [np.eye(4), turn("z", theta) @ shift(z=d), turn("z", theta) @ shift(z=d) @ shift(x=a)]
         colours, camera = ("#1d5fbf", "#c62f2f"), pictures.STANDARD_CAMERA
     else:  # Rx(α) Tx(a) Rz(θ) Tz(d)
-        corners = [np.eye(4), turn("x", alpha) @ move("x", a), turn("x", alpha) @ move("x", a) @ move("z", d)]
+        corners = [np.eye(4), turn("x", alpha) @ shift(x=a), turn("x", alpha) @ shift(x=a) @ shift(z=d)]
         colours, camera = ("#c62f2f", "#1d5fbf"), pictures.MODIFIED_CAMERA
     drawn = LENGTHS.findall((DOCS / "pictures" / f"dh-{convention}.svg").read_text("utf-8"))
     assert [colour for *_, colour in drawn] == list(colours)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, strategies as st
 from numpy.typing import NDArray
+from plain_frames import tensor
 
 from dh2urdf.columns import replaced, stacked
 from dh2urdf.kinematics.mass import (
@@ -33,15 +34,10 @@ frames = st.builds(RigidTransform.from_xyz_rpy, vectors, st.tuples(angles, angle
 bodies = st.builds(lambda g, d, f: placed(solid(g, d), f), geometries, st.floats(1, 5000), frames)
 
 
-def matrix(inertia: Inertia) -> NDArray[np.float64]:
-    i = inertia
-    return np.array([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
-
-
 def about(body: Inertial, point: NDArray[np.float64]) -> NDArray[np.float64]:
     """The oracle: inertia about another point, Steiner's theorem in matrix form."""
     r = np.array(body.com) - point
-    return matrix(body.inertia) + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
+    return tensor(body.inertia) + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
 def sampled(geometry: Geometry, density: float, cells: int = 60) -> tuple[float, NDArray[np.float64]]:
@@ -71,7 +67,7 @@ def test_primitives_have_the_mass_properties_of_a_body_of_small_cubes(geometry: 
     body = solid(geometry, 1000.0)
     assert body.mass == pytest.approx(mass, rel=5e-3)
     assert body.com == (0.0, 0.0, 0.0)
-    np.testing.assert_allclose(matrix(body.inertia), inertia, rtol=1e-2, atol=1e-9)
+    np.testing.assert_allclose(tensor(body.inertia), inertia, rtol=1e-2, atol=1e-9)
 
 
 @given(bodies, frames)
@@ -81,7 +77,7 @@ def test_a_body_may_be_seen_from_another_frame(body: Inertial, frame: RigidTrans
     R = np.reshape(frame.rotation, (3, 3))
     assert moved.mass == body.mass
     np.testing.assert_allclose(moved.com, R @ body.com + frame.translation, atol=1e-12)
-    np.testing.assert_allclose(matrix(moved.inertia), R @ matrix(body.inertia) @ R.T, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(tensor(moved.inertia), R @ tensor(body.inertia) @ R.T, rtol=1e-9, atol=1e-6)
 
 
 @given(st.lists(bodies, min_size=1, max_size=4), vectors)
@@ -111,7 +107,7 @@ tensors = st.builds(lambda *e: Inertia(ixx=e[0], iyy=e[1], izz=e[2], ixy=e[3], i
 @given(tensors)
 def test_principal_moments_are_the_eigenvalues(inertia: Inertia) -> None:
     """As LAPACK has them."""
-    expected = np.linalg.eigvalsh(matrix(inertia))
+    expected = np.linalg.eigvalsh(tensor(inertia))
     np.testing.assert_allclose(principal_moments(inertia), expected, atol=1e-13)
 
 

@@ -6,21 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from plain_frames import dh, shift, turn
 
 import dh2urdf
 from dh2urdf.errors import ProofError, TableError
 from dh2urdf.manipulator import Convention, JointType
-
-
-def rigid(axis: int, angle: float, x: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:
-    """A turn about x or z after a shift along the same axis."""
-    matrix = np.eye(4)
-    one, two = {0: (1, 2), 2: (0, 1)}[axis]
-    matrix[one, one] = matrix[two, two] = np.cos(angle)
-    matrix[one, two], matrix[two, one] = -np.sin(angle), np.sin(angle)
-    matrix[0, 3], matrix[2, 3] = x, z
-    return matrix
 
 
 class Robot:
@@ -34,9 +24,8 @@ class Robot:
         pose = self.base.A
         for link, value in zip(self.links, q, strict=True):
             variable = (-value if link.isflip else value) + link.offset
-            about_z = rigid(2, link.theta, z=variable) if link.isprismatic else rigid(2, variable, z=link.d)
-            about_x = rigid(0, link.alpha, x=link.a)
-            pose = pose @ (about_x @ about_z if link.mdh else about_z @ about_x)
+            theta, d = (link.theta, variable) if link.isprismatic else (variable, link.d)
+            pose = pose @ dh("modified" if link.mdh else "standard", theta, d, link.a, link.alpha)
         return SimpleNamespace(A=pose @ self.tool.A)
 
 
@@ -70,8 +59,8 @@ def test_every_feature(*, mdh: bool) -> None:
             Tc=np.array([0.2, -0.3]),
         ),
         link(mdh=mdh, slides=True, I=inertia, a=0.1, alpha=0.4, theta=-0.9, d=9.0, offset=0.05, name="slider"),
-        base=rigid(0, 0.5, x=0.4),
-        tool=rigid(2, -0.3, z=0.1),
+        base=shift(0.4) @ turn("x", 0.5),
+        tool=shift(z=0.1) @ turn("z", -0.3),
     )
     arm = dh2urdf.from_roboticstoolbox(robot)
     assert arm.convention is (Convention.MODIFIED if mdh else Convention.STANDARD)

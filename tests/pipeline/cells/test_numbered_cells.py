@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio
 import pytest
 from command_line import Cli
+from plain_frames import dh, shift, turn
 
 from dh2urdf.cells.cell import Cell
 from dh2urdf.plugin_system import load
@@ -147,31 +148,6 @@ def test_a_cell_of_a_thousand_million_is_made_alone(run_file: Callable[..., Path
 # --- Where they stand -------------------------------------------------------------------------------------------------
 
 
-def turn(axis: str, angle: float) -> np.ndarray:
-    c, s = cos(angle), sin(angle)
-    whole = np.eye(4)
-    whole[:3, :3] = {
-        "x": [[1, 0, 0], [0, c, -s], [0, s, c]],
-        "y": [[c, 0, s], [0, 1, 0], [-s, 0, c]],
-        "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
-    }[axis]
-    return whole
-
-
-def shift(x: float, y: float, z: float) -> np.ndarray:
-    whole = np.eye(4)
-    whole[:3, 3] = x, y, z
-    return whole
-
-
-def standard(*rows: tuple[float, float, float, float]) -> np.ndarray:
-    """The product of rows (θ, d, a, α) in the standard convention (Denavit and Hartenberg 1955)."""
-    whole = np.eye(4)
-    for theta, d, a, alpha in rows:
-        whole = whole @ turn("z", theta) @ shift(a, 0, d) @ turn("x", alpha)
-    return whole
-
-
 def test_every_cell_is_where_its_drawn_values_have_it(made: Callable[..., Any], tmp_path: Path) -> None:
     """Pinocchio finds both tools at the product of placements and rows, with the numbers that the report has."""
     more = """    vary:
@@ -199,13 +175,13 @@ def test_every_cell_is_where_its_drawn_values_have_it(made: Callable[..., Any], 
             joint = model.joints[model.getJointId(name)]
             vector[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [cos(value), sin(value)]
         pinocchio.framesForwardKinematics(model, data, vector)
-        rail = shift(0, 2, 0) @ standard((0, 0.2 + 0.7, 0.1, 0.4))
+        rail = shift(0, 2, 0) @ dh("standard", 0, 0.2 + 0.7, 0.1, 0.4)
         left = rail @ shift(drawn["left/x"], 0.1, 0.2) @ turn("x", 0.3)
-        left = left @ standard(
-            (0.3, 0.3, drawn["left/a_1"], pi / 2), (-0.8, 0, drawn["left/a_2"], 0), (1.6, 0.1, 0.2, 0.3)
-        )
+        for row in ((0.3, 0.3, drawn["left/a_1"], pi / 2), (-0.8, 0, drawn["left/a_2"], 0), (1.6, 0.1, 0.2, 0.3)):
+            left = left @ dh("standard", *row)
         right = shift(drawn["right/x"], drawn["right/y"], drawn["right/z"]) @ turn("z", drawn["right/yaw"])
-        right = right @ standard((-0.4, 0.3, 0.1, pi / 2), (0.6, 0, 0.4, 0), (0.7, drawn["right/d_3"], 0.2, 0.3))
+        for row in ((-0.4, 0.3, 0.1, pi / 2), (0.6, 0, 0.4, 0), (0.7, drawn["right/d_3"], 0.2, 0.3)):
+            right = right @ dh("standard", *row)
         for link, wanted in (("left_tool0", left), ("right_tool0", right)):
             found = data.oMf[model.getFrameId(link)].homogeneous
             assert np.abs(found - wanted).max() < 1e-12, (number, link)

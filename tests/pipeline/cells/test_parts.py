@@ -1,10 +1,10 @@
 """Parts of run files: robots from descriptions, as they are, in cells beside manipulators."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from plain_frames import shift, turn
 
 import dh2urdf
 from dh2urdf.kinematics import link_poses
@@ -52,15 +52,6 @@ def write(folder: Path, run: str) -> None:
         (folder / name).write_text(text, "utf-8")
 
 
-def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0, *, about: str = "z", by: float = 0.0) -> Any:
-    """A frame that is turned about one axis, written otherwise than in the house."""
-    frame, (first, second) = np.eye(4), {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[about]
-    frame[[first, second], [first, second]] = np.cos(by)
-    frame[second, first], frame[first, second] = np.sin(by), -np.sin(by)
-    frame[:3, 3] = (x, y, z)
-    return frame
-
-
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_link_is_where_the_files_have_it(suffix: str, made: Path) -> None:
     """The lift moves the arm, and the arm the hands; the fingers of each hand follow their own leader."""
@@ -69,17 +60,17 @@ def test_every_link_is_where_the_files_have_it(suffix: str, made: Path) -> None:
     for lift, one, two, left in ((0.0, 0.0, 0.0, 0.0), (0.4, 0.7, -1.1, 0.5), (0.1, -2.0, 0.4, -0.3)):
         q = {"base_up": lift, "arm_one": one, "arm_two": two, "hand_left": left, "eye_left": -left}
         found = {name: as_matrices(pose) for name, pose in link_poses(robot, q).items()}
-        carriage = moved(0, 1, 0) @ moved(0.1, 0, 0.2, about="x", by=0.1) @ moved(z=lift)
-        tool = carriage @ moved(0, 0.3, 0.1) @ moved(0.2) @ table_pose(table, (one, two))
-        hand = tool @ moved(z=0.011, by=np.radians(30.0))
-        finger = moved(0, 0.01, 0.05, about="y", by=0.4)
+        carriage = shift(0.1, 1, 0.2) @ turn("x", 0.1) @ shift(z=lift)
+        tool = carriage @ shift(0.2, 0.3, 0.1) @ table_pose(table, (one, two))
+        hand = tool @ shift(z=0.011) @ turn("z", np.radians(30.0))
+        finger = shift(0, 0.01, 0.05) @ turn("y", 0.4)
         for link, wanted in {
             "base_carriage": carriage,
             "arm_tool0": tool,
             "hand_base_link": hand,
-            "hand_left_finger": hand @ finger @ moved(about="x", by=left),
-            "eye_base_link": hand @ moved(z=0.1),
-            "eye_left_finger": hand @ moved(z=0.1) @ finger @ moved(about="x", by=-left),
+            "hand_left_finger": hand @ finger @ turn("x", left),
+            "eye_base_link": hand @ shift(z=0.1),
+            "eye_left_finger": hand @ shift(z=0.1) @ finger @ turn("x", -left),
         }.items():
             assert np.allclose(found[link], wanted, atol=1e-12), link
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
-from numpy.typing import NDArray
+from plain_frames import homogeneous, shift, turn
 
 from dh2urdf.kinematics import (
     KinematicChain,
@@ -29,27 +29,6 @@ BOTH = pytest.mark.parametrize("convention", Convention)
 
 
 # The oracle: homogeneous matrices as a textbook has them, multiplied by numpy.
-
-
-def turn(axis: str, angle: float) -> NDArray[np.float64]:
-    c, s = math.cos(angle), math.sin(angle)
-    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    matrix = np.eye(4)
-    matrix[i, i], matrix[i, j], matrix[j, i], matrix[j, j] = c, -s, s, c
-    return matrix
-
-
-def shift(x: float = 0, y: float = 0, z: float = 0) -> NDArray[np.float64]:
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
-
-
-def homogeneous(transform: RigidTransform) -> NDArray[np.float64]:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
-    matrix[:3, 3] = transform.translation
-    return matrix
 
 
 @st.composite

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from plain_frames import turn
 
 from dh2urdf.columns import in_columns
 from dh2urdf.kinematics.chain import screws_of_table
@@ -44,22 +45,9 @@ def opw_pose(opw: OpwParameters, q: list[float]) -> np.ndarray:
     centre = np.array(
         [x * math.cos(t[0]) - opw.b * math.sin(t[0]), x * math.sin(t[0]) + opw.b * math.cos(t[0]), z + opw.c1]
     )
-    rotation = about_z(t[0]) @ about_y(t[1] + t[2]) @ about_z(t[3]) @ about_y(t[4]) @ about_z(t[5])
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation, centre + opw.c4 * rotation[:, 2]
+    pose = turn("z", t[0]) @ turn("y", t[1] + t[2]) @ turn("z", t[3]) @ turn("y", t[4]) @ turn("z", t[5])
+    pose[:3, 3] = centre + opw.c4 * pose[:3, 2]
     return pose
-
-
-def about_z(angle: float) -> np.ndarray:
-    """A rotation about z."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-
-
-def about_y(angle: float) -> np.ndarray:
-    """A rotation about y."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
 class TestOpw:

@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from plain_frames import Matrix, homogeneous, rpy, shift, turn
 
 from dh2urdf.kinematics import CompiledChain
 from dh2urdf.kinematics.walk import values_of
 from dh2urdf.rotations import RigidTransform
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
     Way = tuple[str, Any]
     """What is added to a chain, and its numbers."""
 
@@ -49,39 +47,25 @@ joint_vectors = st.lists(
 # The oracle: homogeneous matrices, multiplied by numpy, and turns about vectors by the exponential series of Rodrigues.
 
 
-def shift(along: int, length: float) -> Matrix:
-    matrix = np.eye(4)
-    matrix[along, 3] = length
-    return matrix
-
-
-def turned(vector: Any, angle: float) -> Matrix:
-    x, y, z = vector
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    matrix = np.eye(4)
-    matrix[:3, :3] += math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
-    return matrix
+def along(axis: int, length: float) -> Matrix:
+    return shift(*np.eye(3)[axis] * length)
 
 
 def matrices(way: Way, q: tuple[float, ...]) -> Matrix:
     kind, numbers = way
     if kind == "move":
-        return shift(*numbers)
+        return along(*numbers)
     if kind == "turn":
-        return turned(np.eye(3)[numbers[0]], numbers[1])
+        return turn(np.eye(3)[numbers[0]], numbers[1])
     if kind == "slide":
-        along, length, joint, factor = numbers
-        return shift(along, length + factor * q[joint])
+        axis, length, joint, factor = numbers
+        return along(axis, length + factor * q[joint])
     if kind == "revolve":
         about, angle, joint, sign = numbers
-        return turned(np.eye(3)[about], angle + sign * q[joint])
+        return turn(np.eye(3)[about], angle + sign * q[joint])
     if kind == "about":
-        return turned(numbers[0], q[numbers[1]])
-    *xyz, roll, pitch, yaw = numbers
-    x, y, z = np.eye(3)
-    matrix = turned(z, yaw) @ turned(y, pitch) @ turned(x, roll)
-    matrix[:3, 3] = xyz
-    return matrix
+        return turn(numbers[0], q[numbers[1]])
+    return shift(*numbers[:3]) @ rpy(*numbers[3:])
 
 
 def add(chain: CompiledChain, way: Way) -> None:
@@ -116,13 +100,6 @@ def expected(ways: list[Way], q: tuple[float, ...]) -> list[Matrix]:
     for way in ways:
         products.append(products[-1] @ matrices(way, q))
     return products
-
-
-def homogeneous(transform: RigidTransform) -> Matrix:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
-    matrix[:3, 3] = transform.translation
-    return matrix
 
 
 @given(ways=ways, poses=joint_vectors)
@@ -203,5 +180,5 @@ def test_what_is_no_rotation_is_multiplied(matrix: Any) -> None:
     chain.move(0, 2.0)
     chain.stop()
     (frame,) = chain.walk(())
-    wanted = homogeneous(RigidTransform(matrix, (0.1, 0.2, 0.3))) @ turned((0, 0, 1), 0.4) @ shift(0, 2.0)
+    wanted = homogeneous(RigidTransform(matrix, (0.1, 0.2, 0.3))) @ turn("z", 0.4) @ shift(2.0)
     np.testing.assert_allclose(homogeneous(frame.transform), wanted, rtol=0, atol=1e-15)

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from command_line import Cli
 from numpy.typing import NDArray
+from plain_frames import rpy, shift, turn
 
 import dh2urdf
 from dh2urdf.errors import TableError
@@ -32,21 +33,11 @@ def text_of(frames: Frames) -> str:
     return f"kinematics:\n{''.join(entries)}  hash: calib_15200003067234149431\n"
 
 
-def turn(axis: int, angle: float) -> NDArray[np.float64]:
-    matrix = np.eye(4)
-    one, two = {0: (1, 2), 1: (2, 0), 2: (0, 1)}[axis]
-    matrix[one, one] = matrix[two, two] = np.cos(angle)
-    matrix[one, two], matrix[two, one] = -np.sin(angle), np.sin(angle)
-    return matrix
-
-
 def product(frames: Frames, q: list[float]) -> NDArray[np.float64]:
     """The origins as `ur_description` has them in its URDF, each before a joint about z."""
     pose = np.eye(4)
     for (x, y, z, roll, pitch, yaw), value in zip(frames.values(), q, strict=True):
-        origin = turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
-        origin[:3, 3] = x, y, z
-        pose = pose @ origin @ turn(2, value)
+        pose = pose @ shift(x, y, z) @ rpy(roll, pitch, yaw) @ turn("z", value)
     return pose
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plain_frames import homogeneous, rpy, shift, turn
 
 import dh2urdf
 from dh2urdf.errors import TableError
@@ -113,10 +114,10 @@ class TestWhatGoesWithTheKinematics:
         row = arm.rows[0]
         frame = np.array(arm.fk_all([0, 0])["upper"])  # DH frame 1
         tensor = np.array([[0.02, 0.001, 0.002], [0.001, 0.03, -0.003], [0.002, -0.003, 0.04]])
-        turned = rotation_z(0.5) @ rotation_x(0.3)
+        turned = rpy(0.3, 0, 0.5)[:3, :3]
         pieces = [
             (2.0, np.array([0.1, 0.02, 0.1]), tensor),
-            (1.0, np.array([0.2, 0, 0.2]) + rotation_z(0.5) @ [0, 0, 0.05], turned @ tensor @ turned.T),
+            (1.0, np.array([0.2, 0, 0.25]), turned @ tensor @ turned.T),
         ]
         mass = sum(piece[0] for piece in pieces)
         com = sum(piece[0] * piece[1] for piece in pieces) / mass
@@ -170,11 +171,8 @@ class TestWhatGoesWithTheKinematics:
         assert Path(visual.file.path) == mesh
         assert visual.scale == (2, 2, 2)
         frame = np.array(arm.fk_all([0, 0])["upper"])
-        pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = np.reshape(visual.pose.rotation, (3, 3)), visual.pose.translation
-        wanted = np.eye(4)
-        wanted[:3, :3], wanted[:3, 3] = rotation_z(0.4), [0.1, 0, 0.3]
-        assert np.abs(frame @ pose - wanted).max() < 1e-12
+        wanted = shift(0.1, 0, 0.3) @ turn("z", 0.4)
+        assert np.abs(frame @ homogeneous(visual.pose) - wanted).max() < 1e-12
         assert arm.rows[0].collision is None
         assert "left-out-of-table" in notices(arm)
 
@@ -184,18 +182,6 @@ class TestWhatGoesWithTheKinematics:
         assert names == ["flange_joint", "base_link_link", "b", "b_link"]
         assert "names-replaced" in notices(arm)
         dh2urdf.convert(arm)
-
-
-def rotation_x(angle: float) -> np.ndarray:
-    """A rotation about x."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-
-
-def rotation_z(angle: float) -> np.ndarray:
-    """A rotation about z."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
 class TestTheChain:

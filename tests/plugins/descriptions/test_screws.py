@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from command_line import Cli
 from numpy.typing import NDArray
+from plain_frames import dh, homogeneous
 from scipy.linalg import expm
 
 import dh2urdf
@@ -103,26 +104,13 @@ def check(arm: Screws, seed: int) -> None:
 # --- Published arms ---------------------------------------------------------------------------------------------------
 
 
-def row_pose(convention: Convention, a: float, alpha: float, theta: float, d: float) -> Array:
-    ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
-    z = np.array([[ct, -st, 0, 0], [st, ct, 0, 0], [0, 0, 1, d], [0, 0, 0, 1]])
-    x = np.array([[1, 0, 0, a], [0, ca, -sa, 0], [0, sa, ca, 0], [0, 0, 0, 1]])
-    return np.asarray(z @ x if convention is Convention.STANDARD else x @ z)
-
-
-def matrix_of(transform: Any) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = np.reshape(transform.rotation, (3, 3)), transform.translation
-    return pose
-
-
 def screws_of(table: Manipulator) -> Screws:
     """The axes of a DH table at q = 0, by its matrices: z of the frame before the row, or of that of the row."""
-    pose, screws, slides = matrix_of(table.base), [], []
+    pose, screws, slides = homogeneous(table.base), [], []
     for row in table.rows:
         is_sliding = row.type is JointType.PRISMATIC
         theta, d = (row.theta, row.d + row.offset) if is_sliding else (row.theta + row.offset, row.d)
-        after = pose @ row_pose(table.convention, row.a, row.alpha, theta, d)
+        after = pose @ dh(table.convention, theta, d, row.a, row.alpha)
         frame = pose if table.convention is Convention.STANDARD else after
         axis = row.sign * frame[:3, 2]
         moment = np.cross(frame[:3, 3], axis)
@@ -130,7 +118,7 @@ def screws_of(table: Manipulator) -> Screws:
             slides.append(is_sliding)
             screws.append(np.concatenate([np.zeros(3), axis] if is_sliding else [axis, moment]))
         pose = after
-    return Screws(np.array(screws).T, pose @ matrix_of(table.tool), slides)
+    return Screws(np.array(screws).T, pose @ homogeneous(table.tool), slides)
 
 
 def test_published_arms(reference_robot: ReferenceRobot) -> None:

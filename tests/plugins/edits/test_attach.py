@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lxml import etree
+from plain_frames import rpy, shift
 
 import dh2urdf
 from dh2urdf.errors import InputError, ProofError
@@ -41,14 +42,6 @@ def _convert(tmp_path: Path) -> Callable[..., tuple[Path, Robot]]:
     return convert
 
 
-def rpy(roll: float, pitch: float, yaw: float) -> np.ndarray[Any, Any]:
-    """URDF's rotation about fixed axes, written otherwise than in the house."""
-    x, y, z = (np.array([[math.cos(a), -math.sin(a)], [math.sin(a), math.cos(a)]]) for a in (roll, pitch, yaw))
-    X, Y, Z = np.eye(3), np.eye(3), np.eye(3)
-    X[1:, 1:], Z[:2, :2], Y[np.ix_([2, 0], [2, 0])] = x, z, y
-    return Z @ Y @ X
-
-
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_format_has_it_where_mujoco_has_the_hand_alone(
     suffix: str, convert: Callable[..., tuple[Path, Robot]], tmp_path: Path
@@ -59,8 +52,7 @@ def test_every_format_has_it_where_mujoco_has_the_hand_alone(
     alone = (tmp_path / "hand.urdf").read_text("utf-8").replace('fusestatic="true"', 'fusestatic="false"')
     model = mujoco.MjModel.from_xml_string(alone)
     data = mujoco.MjData(model)
-    place = np.eye(4)
-    place[:3, :3], place[:3, 3] = rpy(0.1, 0.2, math.radians(30.0)), (0.0, 0.02, 0.011)
+    place = shift(0.0, 0.02, 0.011) @ rpy(0.1, 0.2, math.radians(30.0))
     for value in (0.0, 0.3, -0.2):
         data.joint("left").qpos, data.joint("right").qpos = value, -0.05 * value + 0.001
         mujoco.mj_kinematics(model, data)

@@ -1,56 +1,23 @@
-"""Tables as people write them, and published ones, against a DH product that this file spells out itself."""
+"""Tables as people write them, and published ones, against the textbook's DH product."""
 
 import json
-import math
 import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from dh2urdf.errors import TableError
-from dh2urdf.manipulator import Convention, JointType, Manipulator
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.stages import Rejected
+from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.table import TableOptions
 
 REFERENCE = Path(__file__).parents[2] / "reference"
 INPUTS = json.loads((REFERENCE / "inputs" / "expected.json").read_text("utf-8"))
 ROBOTS = json.loads((REFERENCE / "robots.json").read_text("utf-8"))["robots"]
-
-
-def screw(angle: float, length: float, axis: int) -> NDArray[np.float64]:
-    """A turn about x (0) or z (2) and a shift along it."""
-    matrix = np.eye(4)
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    matrix[first, first] = matrix[second, second] = math.cos(angle)
-    matrix[second, first], matrix[first, second] = math.sin(angle), -math.sin(angle)
-    matrix[axis, 3] = length
-    return matrix
-
-
-def pose(arm: Manipulator, q: list[float]) -> NDArray[np.float64]:
-    """T(base_link → tool0), from the definition of the two conventions."""
-    values = iter(q)
-    product = homogeneous(arm.base)
-    for row in arm.rows:
-        theta, d = row.theta, row.d
-        if row.type is JointType.PRISMATIC:
-            d += row.offset + row.sign * next(values)
-        elif row.type is not JointType.FIXED:
-            theta += row.offset + row.sign * next(values)
-        along_x, along_z = screw(row.alpha, row.a, 0), screw(theta, d, 2)
-        product = product @ (along_z @ along_x if arm.convention is Convention.STANDARD else along_x @ along_z)
-    return product @ homogeneous(arm.tool)
-
-
-def homogeneous(transform: Any) -> NDArray[np.float64]:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.reshape(transform.rotation, (3, 3))
-    matrix[:3, 3] = transform.translation
-    return matrix
 
 
 def read(path: Path, convention: str | None) -> Manipulator:
@@ -83,7 +50,7 @@ def test_a_table_of_real_life_is_read_rightly_or_refused_clearly(case: dict[str,
         return
     assert "accept" in case["outcome"], arm
     assert [row.type for row in arm.rows] == [row["type"] for row in case["rows"]]
-    np.testing.assert_allclose(pose(arm, case["q"]), case["T_ee"], rtol=0, atol=case["tol"])
+    np.testing.assert_allclose(table_pose(arm, case["q"]), case["T_ee"], rtol=0, atol=case["tol"])
 
 
 def as_csv(robot: dict[str, Any]) -> str:
@@ -106,4 +73,4 @@ def test_a_published_robot_is_read_as_it_was_published(robot: dict[str, Any], tm
     path.write_text(as_csv(robot), "utf-8")
     arm = read(path, None)
     for q, expected in zip(robot["q"], robot["T_ee"], strict=True):
-        np.testing.assert_allclose(pose(arm, q), expected, rtol=0, atol=1e-11)
+        np.testing.assert_allclose(table_pose(arm, q), expected, rtol=0, atol=1e-11)

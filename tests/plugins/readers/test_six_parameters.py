@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from command_line import Cli
 from numpy.typing import NDArray
+from plain_frames import dh, shift, turn
 
 import dh2urdf
 from dh2urdf import Manipulator
@@ -21,30 +22,16 @@ Row = dict[str, Any]
 CONVENTIONS = ("standard", "modified")
 
 
-def turn(axis: int, angle: float) -> Array:
-    pose = np.eye(4)
-    one, two = {0: (1, 2), 1: (2, 0), 2: (0, 1)}[axis]
-    pose[one, one] = pose[two, two] = np.cos(angle)
-    pose[one, two], pose[two, one] = -np.sin(angle), np.sin(angle)
-    return pose
-
-
-def shift(axis: int, length: float) -> Array:
-    pose = np.eye(4)
-    pose[axis, 3] = length
-    return pose
-
-
 def frames(rows: list[Row], convention: str, q: Array, base: Array) -> list[Array]:
     """The frame behind each row, its β included."""
     values, pose, found = iter(q), base, []
     for row in rows:
         value = 0.0 if row["type"] == "fixed" else row["sign"] * next(values) + row["offset"]
         slides = row["type"] == "prismatic"
-        z = turn(2, row["theta"] + (0.0 if slides else value)) @ shift(2, row["d"] + (value if slides else 0.0))
-        x = turn(0, row["alpha"]) @ shift(0, row["a"])
-        before = turn(2, row["gamma"]) @ shift(2, row["b"])
-        pose = pose @ (z @ x if convention == "standard" else before @ x @ z) @ turn(1, row["beta"])
+        z = turn("z", row["theta"] + (0.0 if slides else value)) @ shift(z=row["d"] + (value if slides else 0.0))
+        x = turn("x", row["alpha"]) @ shift(row["a"])
+        before = turn("z", row["gamma"]) @ shift(z=row["b"])
+        pose = pose @ (z @ x if convention == "standard" else before @ x @ z) @ turn("y", row["beta"])
         found.append(pose)
     return found
 
@@ -96,7 +83,7 @@ def as_yaml(rows: list[Row], convention: str) -> str:
     return json.dumps({"convention": convention, "base": {"xyz": [0.1, 0, 0.2], "rpy": [0, 0, 0.3]}, "joints": joints})
 
 
-BASE = shift(0, 0.1) @ shift(2, 0.2) @ turn(2, 0.3)
+BASE = shift(0.1, 0.0, 0.2) @ turn("z", 0.3)
 
 
 def check(arm: Manipulator, rows: list[Row], convention: str, seed: int) -> None:
@@ -132,7 +119,7 @@ def test_where_they_go() -> None:
     arm = dh2urdf.read(f"{header}j1,0,0,1,0.1,0.2,0.3\nj2,1,0,0,0.4,0.5,0\nj3,1,0,0,0.6,0.7,0.8\n", reader="csv")
     assert [row.joint for row in arm.rows] == ["j1", "j1_beta", "j2", "j3_gamma", "j3"]
     assert (arm.base.translation, arm.rows[1].d, arm.rows[3].d) == ((0.0, 0.0, 0.2), 0.5, 0.7)
-    assert np.abs(np.reshape(arm.tool.rotation, (3, 3)) - turn(1, 0.8)[:3, :3]).max() < 1e-15
+    assert np.abs(np.reshape(arm.tool.rotation, (3, 3)) - turn("y", 0.8)[:3, :3]).max() < 1e-15
     assert [notice.code for notice in arm.notices if notice.field == "beta"] == ["six-parameters"]
 
 
@@ -144,7 +131,7 @@ def test_hayati_is_what_keeps_nearly_parallel_axes_near() -> None:
     for q in np.random.default_rng(5).uniform(-3, 3, (5, 4)):
         pose = np.eye(4)
         for (a, alpha, d, beta), value in zip(given, q, strict=True):
-            pose = pose @ turn(2, value) @ shift(2, d) @ shift(0, a) @ turn(0, alpha) @ turn(1, beta)
+            pose = pose @ dh("standard", value, d, a, alpha) @ turn("y", beta)
         assert np.abs(arm.fk(q) - pose).max() < 1e-15
     conversion = dh2urdf.convert(arm, near_parallel="split")
     assert [joint.name for joint in conversion.robot.joints if "split" in joint.name] == []

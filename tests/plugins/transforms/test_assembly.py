@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from numpy.typing import NDArray
+from plain_frames import tensor
 
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics import KinematicChain
@@ -57,11 +57,6 @@ def body(robot: Robot, name: str) -> Inertial:
     inertial = next(link.inertial for link in robot.links if link.name == name)
     assert inertial is not None
     return inertial
-
-
-def matrix(inertia: Inertia) -> NDArray[np.float64]:
-    i = inertia
-    return np.array([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
 
 
 # Limits.
@@ -184,14 +179,14 @@ def test_a_link_of_two_segments_has_the_mass_properties_of_both(table: Table, ro
         [0, 2 * across + 4 * shift, 0],
         [2 * shift * -1, 0, across + along + 2 * shift],
     ]
-    np.testing.assert_allclose(matrix(link.inertia), expected, atol=1e-12)
+    np.testing.assert_allclose(tensor(link.inertia), expected, atol=1e-12)
 
 
 def test_a_mass_alone_scales_the_inertia_of_the_shape(table: Table, robot_of: RobotOf) -> None:
     """Twice the mass in the same shape has twice the inertia; a centre of mass carries it along."""
     plain = body(robot_of(table({"a": 1.0})), "link_1")
     heavy = body(robot_of(table({"a": 1.0, "mass": 2 * plain.mass, "com": (0.0, 0.1, 0.0)})), "link_1")
-    np.testing.assert_allclose(matrix(heavy.inertia), 2 * matrix(plain.inertia), rtol=1e-14)
+    np.testing.assert_allclose(tensor(heavy.inertia), 2 * tensor(plain.inertia), rtol=1e-14)
     assert heavy.com == (1.0, 0.1, 0.0)
 
 
@@ -221,8 +216,8 @@ def test_given_mass_properties_hold_in_the_dh_frame_after_the_row(frames: str, c
     assert link.mass == 2.0
     np.testing.assert_allclose(R @ link.com + pose.translation, F @ GIVEN["com"] + frame.translation, atol=1e-14)
     np.testing.assert_allclose(
-        R @ matrix(link.inertia) @ R.T,
-        F @ matrix(GIVEN["inertia"]) @ F.T,
+        R @ tensor(link.inertia) @ R.T,
+        F @ tensor(GIVEN["inertia"]) @ F.T,
         atol=1e-14,  # type: ignore[arg-type]
     )
 

@@ -13,6 +13,7 @@ import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
 from numpy.typing import NDArray
+from plain_frames import turn
 
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics import KinematicChain
@@ -29,15 +30,6 @@ from reference_arms import ReferenceRobot
 
 FRAMES = pytest.mark.parametrize("frames", ["aligned", "dh"])
 SHAPES = ("cylinder", "box", "capsule", "arm")
-
-
-def turn(axis: Sequence[float], angle: float) -> NDArray[np.float64]:
-    """Rotation by the matrix exponential's closed form."""
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    matrix = np.eye(4)
-    matrix[:3, :3] += math.sin(angle) * k + (1 - math.cos(angle)) * k @ k
-    return matrix
 
 
 def tree_pose(robot: Robot, q: Sequence[float], tip: str = "tool0") -> NDArray[np.float64]:
@@ -233,7 +225,7 @@ def test_dh_link_frames_are_the_frames_of_the_table(convention: Convention) -> N
         upto = i + 1 if convention is Convention.MODIFIED else i
         frame = table_pose(replace_unchecked(table, rows=table.rows[:upto]), q[:upto])
         if convention is Convention.STANDARD:
-            frame = frame @ turn((0, 0, 1), q[i])
+            frame = frame @ turn("z", q[i])
         np.testing.assert_allclose(tree_pose(robot, q, f"l{i}"), frame, atol=1e-14)
 
 
@@ -267,7 +259,7 @@ def test_the_flange_looks_out_along_x(frames: str, convention: Convention) -> No
     robot = alpha_swap(table, AlphaSwapOptions(frames=frames))
     q = [0.3, -0.7, 1.1]
     last = table_pose(replace(table, tool=RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0))), q)
-    expected = last @ turn((0, 0, 1), -math.pi / 2) @ turn((0, 1, 0), -math.pi / 2)
+    expected = last @ turn("z", -math.pi / 2) @ turn("y", -math.pi / 2)
     np.testing.assert_allclose(tree_pose(robot, q, "flange"), expected, atol=1e-14)
     np.testing.assert_allclose(expected[:3, 0], last[:3, 2], atol=1e-15)
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from plain_frames import tensor
 
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import MissingDependencyError, TransformError
@@ -43,11 +44,6 @@ def wedge(at: tuple[float, float, float] = (0.3, -0.2, 0.1)) -> Any:
     mesh = trimesh.creation.icosphere(subdivisions=2)
     mesh.vertices = mesh.vertices * (0.1, 0.2, 0.3) + 0.1 * mesh.vertices[:, [1, 2, 0]] ** 2 + at
     return mesh
-
-
-def tensor(inertia: Inertia) -> np.ndarray:
-    i = inertia
-    return np.array([[i.ixx, i.ixy, i.ixz], [i.ixy, i.iyy, i.iyz], [i.ixz, i.iyz, i.izz]])
 
 
 class TestBodies:

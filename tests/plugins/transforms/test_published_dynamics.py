@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.typing import NDArray
+from plain_frames import shift, turn
 
 from dh2urdf.errors import TransformError
 from dh2urdf.kinematics.mass import has_zero_moments, inertia_problem, principal_moments, repaired
@@ -49,20 +50,6 @@ def number(text: float | str) -> float:
 def tensor(elements: list[float]) -> NDArray[np.float64]:
     ixx, iyy, izz, ixy, ixz, iyz = elements
     return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-
-
-def turn(axis: str, angle: float) -> NDArray[np.float64]:
-    c, s = math.cos(angle), math.sin(angle)
-    rows = [[1, 0, 0], [0, c, -s], [0, s, c]] if axis == "x" else [[c, -s, 0], [s, c, 0], [0, 0, 1]]
-    result = np.eye(4)
-    result[:3, :3] = rows
-    return result
-
-
-def shift(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NDArray[np.float64]:
-    result = np.eye(4)
-    result[:3, 3] = (x, y, z)
-    return result
 
 
 def dynamics(

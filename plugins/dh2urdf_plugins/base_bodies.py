@@ -63,9 +63,11 @@ def notices_for_gazebo(robot: Robot, *, filled: bool) -> list[Problem]:
         if not weightless_bases(robot):
             return []
         return [say("gazebo-base-filled", field="base.mass", mass=STILL.mass)]
-    if all(map(_has_body_at_rest, [arm.kind for arm in robot.arms] or [robot])):
-        return []
-    return [say("gazebo-drops-arm", field="base.mass")]
+    for arm in [arm.kind for arm in robot.arms] or [robot]:
+        still = links_at_rest(arm)
+        if not any(link.inertial and link.inertial.mass for link in arm.links if link.name in still):
+            return [say("gazebo-drops-arm", field="base.mass")]
+    return []
 
 
 def notices_of_riders(robot: Robot) -> list[Problem]:
@@ -75,8 +77,3 @@ def notices_of_riders(robot: Robot) -> list[Problem]:
     if not any(is_weightless_base(link.name, link.inertial) for link in moving):
         return []
     return [say("gazebo-drops-rider", field="base.mass")]
-
-
-def _has_body_at_rest(arm: Robot) -> bool:
-    still = links_at_rest(arm)
-    return any(link.inertial and link.inertial.mass for link in arm.links if link.name in still)

@@ -122,13 +122,15 @@ def _carry_out(
     planned: partial[Conversion], source: str, file: Path | None, *, as_json: bool, quiet: bool
 ) -> ConversionEntry | None:
     """Convert a table, say what became of it, and print the description where it is asked for; its row for --json."""
-    made = planned(note=lambda notices: None if quiet else print_notices(notices))
-    in_folders = any("/" in name for name in made.files)
+    made = planned() if quiet else planned(note=print_notices)
     if file is None and not as_json:
         answer(made.written[0].files[0].content, nl=False)
     if not quiet:
         click.echo(closing_line(made, "standard output" if file is None else str(file)), err=True)
-    return conversion_row(made, source, file if file is None or in_folders else file.parent) if as_json else None
+    if not as_json:
+        return None
+    in_folders = any("/" in name for name in made.files)
+    return conversion_row(made, source, file if file is None or in_folders else file.parent)
 
 
 def _files_of(

@@ -207,14 +207,15 @@ def write_robot(
         ManipulatorError: an emitter failed, or what it wrote is not the arm of the table.
         OutputError: the files cannot be written, or one of them is an input.
     """
-    originals = [Path(mesh.path) for mesh in mesh_files(robot)]
-    robot = with_copies(robot, recipe)
-    copies = mesh_files(robot) if recipe.copies_meshes else ()
+    originals = mesh_files(robot)
+    if originals:
+        robot = with_copies(robot, recipe)
+    copies = mesh_files(robot) if originals and recipe.copies_meshes else ()
     with staging(directory) as folder:
         written = emit_robot(expected, robot, recipe, folder=folder, stem=stem, main_file=main_file)
         names = [file.name for emitted in written for file in emitted.files]
         targets = [directory / name for name in (*names, *map(copy_path, copies))]
-        refuse_inputs(targets, [*inputs, *originals])
+        refuse_inputs(targets, [*inputs, *[Path(mesh.path) for mesh in originals]])
         for file in copies:
             write_whole(directory / copy_path(file), read_mesh(file))
         put_in_place(folder, names, directory)

@@ -85,7 +85,7 @@ def edited_table(
                 with blaming(transform):
                     table = with_masses(table, a_record(transform.stage.transform(table, transform.options), Robot))
             table = _edited(call, call.stage.edit_table, table)
-    return _with_torn_links(table, manipulator)
+    return table if table is manipulator else _with_torn_links(table, manipulator)
 
 
 def lacks_masses(table: Manipulator) -> bool:
@@ -103,7 +103,7 @@ def with_masses(table: Manipulator, robot: Robot) -> Manipulator:
 
 def _with_torn_links(table: Manipulator, original: Manipulator) -> Manipulator:
     """An edited table, with a notice where its links do not follow the edits."""
-    torn = () if table is original else tuple(torn_links(original, table, "the edits change"))
+    torn = tuple(torn_links(original, table, "the edits change"))
     return replace_unchecked(table, notices=(*table.notices, *torn)) if torn else table
 
 
@@ -128,8 +128,8 @@ def _robot_of(
             robot = _edited(call, call.stage.edit_robot, robot)
             found = _found_wrong(robot, table.mark, after=call)
             known = known if keeps_kinematics(call) else None
-    new = [notice.about(robot=table.name) for notice in new_notices(table, original)]
-    comment = _with_edits(robot.comment, edits)
+    new = [] if table is original else [notice.about(robot=table.name) for notice in new_notices(table, original)]
+    comment = _with_edits(robot.comment, edits) if edits else robot.comment
     return replace(robot, notices=(*new, *robot.notices, *found), manipulator=known, comment=comment)
 
 
@@ -201,6 +201,8 @@ def edited_tables(
                 columns = replace(columns, lines=((None,) * len(columns.table.rows),) * len(columns))
             with blaming(call):
                 columns.pick(0)  # The checks of a manipulator, which a table of columns does without.
+    if columns.table is original:
+        return columns
     table = _with_torn_links(columns.table, original)
     return columns if table is columns.table else replace(columns, table=table)
 

@@ -159,7 +159,7 @@ def mesh_files(robot: Robot) -> tuple[MeshFile, ...]:
 
 def has_meshes(robot: Robot) -> bool:
     """Whether any link of a robot is a mesh."""
-    return any(True for _ in _meshes(robot))
+    return next(_meshes(robot), None) is not None
 
 
 def _meshes(robot: Robot) -> Iterator[Mesh]:

@@ -173,7 +173,9 @@ class Catalog:
 
     def _first(self, kind: Kind, capability: type, wanted: str) -> Any:  # noqa: ANN401 - a record of the kind
         """Return the stage with the best right of those that have a capability."""
-        for plugins in _by_right(self._plugins, kind):
+        if own := self._builtin(kind, self._plugins, lambda stage: stage.can(capability)):
+            return own.stage
+        for plugins in _by_right(self._plugins, kind)[1:]:
             for item in self._provided(kind, plugins):
                 if item.stage.can(capability):
                     return item.stage

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from dh2urdf._version import __version__
@@ -76,7 +77,7 @@ def closing_line(conversion: Conversion, place: str) -> str:
     proofs = [proof for proof in conversion.proofs.values() if proof]
     proved = "not proved: the format cannot be read back"
     if proofs:
-        worst = max(proofs, key=lambda proof: (proof.position_error, proof.angle_error))
+        worst = max(proofs, key=attrgetter("position_error", "angle_error"))
         error = f"{worst.position_error:.2g} m and {max(proof.angle_error for proof in proofs):.2g} rad"
         proved = f"proved at {counted(worst.poses, 'pose')}, largest error {error}"
         if not conversion.keeps_kinematics:

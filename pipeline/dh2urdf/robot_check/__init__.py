@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from dh2urdf.columns import BOUNDS, DYNAMICS, INERTIA, LIMITS
-from dh2urdf.kinematics.mass import inertia_problem, is_sound
+from dh2urdf.columns import BOUNDS, DYNAMICS, LIMITS
+from dh2urdf.kinematics.mass import inertia_problem, is_sound, tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import norm
@@ -189,9 +188,10 @@ def _reached(robot: Robot, root: str) -> set[str]:
         below.setdefault(joint.parent, []).append(joint.child)
     reached, ahead = {root}, [root]
     while ahead:
-        fresh = [child for child in below.get(ahead.pop(), ()) if child not in reached]
-        reached.update(fresh)
-        ahead += fresh
+        for child in below.get(ahead.pop(), ()):
+            if child not in reached:
+                reached.add(child)
+                ahead.append(child)
     return reached
 
 
@@ -207,20 +207,11 @@ def _joint_problems(joint: Joint, *, is_foreign: bool) -> Iterator[Problem]:
     length = norm(joint.axis)
     if joint.type is not JointType.FIXED and not abs(length - 1.0) <= UNIT:
         yield _problem(joint, "axis-not-unit", "axis", length=length)
-    if not is_foreign:
-        yield from _limit_problems(joint)
-    for name in DYNAMICS:
-        value = getattr(joint, name)
-        if value is not None and not 0.0 <= value < math.inf:
-            yield _problem(joint, "number-negative", name, found=f"{value:.12g}", name=name)
-
-
-def _limit_problems(joint: Joint) -> Iterator[Problem]:
     limits = joint.limits
-    bounded = joint.type in (JointType.REVOLUTE, JointType.PRISMATIC)
+    bounded = joint.type in (JointType.REVOLUTE, JointType.PRISMATIC) and not is_foreign
     moving = joint.type is not JointType.FIXED
     needed = {"lower": bounded, "upper": bounded, "velocity": moving, "effort": moving}
-    for name in LIMITS:
+    for name in () if is_foreign else LIMITS:
         value, field = getattr(limits, name), f"limits.{name}"
         is_needed = needed.get(name, moving and value is not None)
         if is_needed is (value is None):
@@ -233,6 +224,10 @@ def _limit_problems(joint: Joint) -> Iterator[Problem]:
     if bounded and limits.lower is not None and limits.upper is not None and limits.lower > limits.upper:
         about = {"found": f"{limits.lower:.12g}", "upper": limits.upper}
         yield _problem(joint, "limits-exchanged", "limits.lower", **about)
+    for name in DYNAMICS:
+        value = getattr(joint, name)
+        if value is not None and not 0.0 <= value < math.inf:
+            yield _problem(joint, "number-negative", name, found=f"{value:.12g}", name=name)
 
 
 # Links.
@@ -259,7 +254,7 @@ def _body_problems(link: Link, holder: Joint | None, *, is_foreign: bool) -> Ite
 
 def _weighs_nothing(body: Inertial) -> bool:
     """Whether a body is the explicit zero of a frame."""
-    return not body.mass and not any(getattr(body.inertia, name) for name in INERTIA)
+    return not body.mass and not any(tensor(body.inertia))
 
 
 def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem]:
@@ -270,10 +265,9 @@ def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Pro
     then.
     """
     weightless = {link.name for link in robot.links if link.inertial and _weighs_nothing(link.inertial)}
-    bodies = [link.name for link in robot.links if link.inertial and link.name not in weightless]
     laden = set()
-    for name in bodies:
-        holder = joint_to.get(name)
+    for link in robot.links:
+        holder = joint_to.get(link.name) if link.inertial and link.name not in weightless else None
         while holder and holder.type is JointType.FIXED and holder.parent not in laden:
             laden.add(holder.parent)
             holder = joint_to.get(holder.parent)
@@ -313,9 +307,10 @@ def _sizes(geometry: Geometry) -> dict[str, float]:
 
 
 def _finite(joint: Joint | None, field: str, numbers: Iterable[float]) -> Iterator[Problem]:
-    culprit = next((number for number in numbers if not math.isfinite(number)), None)
-    if culprit is not None:
-        yield _problem(joint, "numbers-infinite", field, found=str(culprit))
+    for number in numbers:
+        if not math.isfinite(number):
+            yield _problem(joint, "numbers-infinite", field, found=str(number))
+            return
 
 
 # Formulas.
@@ -329,27 +324,19 @@ def _formula_problems(robot: Robot) -> Iterator[Problem]:
             code = "parameter-twice" if parameter.name in declared else "parameter-infinite"
             yield say(code, joint=parameter.joint, field=parameter.name, value=parameter.value)
         declared.add(parameter.name)
-    known = declared | _FUNCTIONS
-    for formula in _formulas(robot):
-        for name in _names_in(formula):
-            if name not in known:
-                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(_FUNCTIONS))
-
-
-def _formulas(robot: Robot) -> Iterator[str]:
     shapes = [shape for link in robot.links for shape in link.shapes]
-    for origin in [*(joint.origin for joint in robot.joints), *(shape.origin for shape in shapes)]:
-        yield from origin.xyz_formula or ()
-        yield from origin.rpy_formula or ()
+    origins = [joint.origin for joint in robot.joints] + [shape.origin for shape in shapes]
+    formulas: list[str] = []
+    for origin in origins:
+        formulas += (*(origin.xyz_formula or ()), *(origin.rpy_formula or ()))
     for shape in shapes:
         match shape.geometry:
             case Box(size_formula=(x, y, z)):
-                yield from (x, y, z)
+                formulas += (x, y, z)
             case Cylinder(length_formula=str(length)):
-                yield length
-
-
-@lru_cache(maxsize=4096)
-def _names_in(formula: str) -> tuple[str, ...]:
-    """The names that a formula uses; the robots of a run share most of their formulas."""
-    return tuple(dict.fromkeys(re.findall(_IDENTIFIER, formula)))
+                formulas.append(length)
+    unknown = {*re.findall(_IDENTIFIER, " ".join(formulas))} - declared - _FUNCTIONS
+    for formula in formulas if unknown else ():
+        for name in dict.fromkeys(re.findall(_IDENTIFIER, formula)):
+            if name in unknown:
+                yield say("formula-name-unknown", found=name, formula=formula, functions=sorted(_FUNCTIONS))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
     from pathlib import Path
 
-    from dh2urdf.robot import Collision, Geometry, Material, Robot, Visual
+    from dh2urdf.robot import Geometry, Material, Robot
     from dh2urdf.rotations import Rotation
 
 say = Messages(__file__)
@@ -200,15 +200,13 @@ class FileElements:
     ) -> dict[str, Any]:
         """What a link is seen as and what it touches with, for its record: parts of shapes in the frame of the link."""
 
-        def seen(element: etree._Element) -> list[Visual]:
-            material = material_of(element)
-            return [new_visual(geometry=each, origin=origin, material=material) for each, origin in placed(element)]
+        def read(element: etree._Element) -> list[dict[str, Any]]:
+            others = {"material": material_of(element)} if element.tag == "visual" else {}
+            return [{"geometry": each, "origin": origin, **others} for each, origin in placed(element)]
 
-        def touching(element: etree._Element) -> list[Collision]:
-            return [new_collision(geometry=each, origin=origin) for each, origin in placed(element)]
-
-        visuals = [one for each in link.iterchildren("visual") for one in self.part(each, seen, ())]
-        collisions = [one for each in link.iterchildren("collision") for one in self.part(each, touching, ())]
+        visuals = [new_visual(**one) for each in link.iterchildren("visual") for one in self.part(each, read, ())]
+        touching = link.iterchildren("collision")
+        collisions = [new_collision(**one) for each in touching for one in self.part(each, read, ())]
         return {"visuals": tuple(visuals), "collisions": tuple(collisions)}
 
     def parts(

@@ -39,7 +39,7 @@ from dh2urdf_plugins.transforms.limits import travel
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.manipulator import Manipulator, Payload
     from dh2urdf_plugins.transforms.alpha_swap import AlphaSwapOptions
 
 say = Messages(__file__)
@@ -100,7 +100,7 @@ def assemble(
     seen = options.visuals == "all" if manipulator.visuals is None else manipulator.visuals
     touching = options.collisions == "all" if manipulator.collisions is None else manipulator.collisions
     bodies = [link_body(part, density) for part in parts]
-    payload = payload_body(manipulator, density)
+    payload = manipulator.payload and payload_body(manipulator.payload, density)
     last = next((number for number, part in reversed([*enumerate(parts)]) if not is_frame(part.row)), None)
     laden = list(bodies)
     if payload and last is not None:
@@ -195,11 +195,8 @@ def of_mass(body: Inertial, mass: float | None) -> Inertial:
     return new_inertial(mass=mass, com=body.com, inertia=scaled(body.inertia, mass / body.mass))
 
 
-def payload_body(manipulator: Manipulator, density: float) -> Inertial | None:
+def payload_body(payload: Payload, density: float) -> Inertial:
     """The mass properties of the payload in tool0; without an inertia it is a solid ball of the links' density."""
-    payload = manipulator.payload
-    if payload is None:
-        return None
     inertia = payload.inertia
     if inertia is None:
         radius = (payload.mass / solid(Sphere(radius=1.0), density).mass) ** (1.0 / 3.0)

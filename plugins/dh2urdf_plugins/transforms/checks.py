@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from dh2urdf.columns import ManipulatorColumns
     from dh2urdf.kinematics.mass import Inertias
-    from dh2urdf.manipulator import Inertia, LinkGeometry, Manipulator
+    from dh2urdf.manipulator import LinkGeometry, Manipulator
     from dh2urdf.rotations import Condition, Number
 
 say = Messages(__file__)
@@ -60,7 +60,9 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
     problems = [*_positive("density", manipulator.density)]
     problems += _positive("base.mass", base_mass or None)
     if payload is not None:
-        problems += [*_positive("payload.mass", payload.mass), *_tensor_problems("payload.inertia", payload.inertia)]
+        problems += _positive("payload.mass", payload.mass)
+        if payload.inertia and (broken := inertia_problem(payload.inertia)):
+            problems.append(say("inertia-of-no-body", field="payload.inertia", reason=broken))
         if any(PAYLOAD in (row.joint, row.link) for row in manipulator.rows):
             problems.append(say("payload-name-taken", field="payload", name=PAYLOAD))
     problems += _geometry_problems("geometry", manipulator.geometry)
@@ -73,19 +75,14 @@ def table_problems(manipulator: Manipulator) -> list[Problem]:
         for name in ("mass", "radius"):
             if (value := getattr(row, name)) is not None and value <= 0.0 and not (name == "mass" and is_frame(row)):
                 problems.append(row_problem(row, "not-above-0", field=name, found=value, what=name))
-        tensor = _tensor_problems("inertia", row.inertia)
-        problems += [replace(each, joint=row.joint, mark=row.mark) for each in tensor]
+        if row.inertia and (broken := inertia_problem(row.inertia)):
+            problems.append(row_problem(row, "inertia-of-no-body", field="inertia", reason=broken))
     return problems
 
 
 def _positive(name: str, value: float | None) -> Iterator[Problem]:
     if value is not None and value <= 0.0:
         yield say("not-above-0", field=name, found=f"{value:.12g}", what=name)
-
-
-def _tensor_problems(field: str, inertia: Inertia | None) -> Iterator[Problem]:
-    if inertia and (broken := inertia_problem(inertia)):
-        yield say("inertia-of-no-body", field=field, reason=broken)
 
 
 def _geometry_problems(name: str, geometry: LinkGeometry) -> Iterator[Problem]:
@@ -126,8 +123,9 @@ def angle_notices(manipulator: Manipulator) -> Iterator[Problem]:
     found = [
         (row, name)
         for row in manipulator.rows
+        if row.mark is None
         for name in _angles_of(row)
-        if row.mark is None and is_suspicious(getattr(row, name))
+        if is_suspicious(getattr(row, name))
     ]
     if found:
         (row, name), more = found[0], len(found) - 1

@@ -101,8 +101,9 @@ def _held_by_bodies(rows: Sequence[DHRow], frames: Frames) -> tuple[Frames, list
         links.append(frame._replace(joint=joint))
         holders.append(holder)
         holder, way = (holder, joint) if is_frame(row) else (row.link, None)
-    flange, tool0 = (composed(way, each) if way else each for each in (frames.flange, frames.tool0))
-    return frames._replace(links=links, flange=flange, tool0=tool0), holders
+    if way:
+        frames = frames._replace(flange=composed(way, frames.flange), tool0=composed(way, frames.tool0))
+    return frames._replace(links=links), holders
 
 
 def _styles(

@@ -191,11 +191,12 @@ def rpy_of(r: tuple[Quantity, ...]) -> Quantities:
 
 def origin(xyz: Quantities, rpy: Quantities = NO_VECTOR) -> Origin:
     """The origin [m, rad] with its formulas; those of a part that no parameter changes are left out."""
-    xyz_formula, rpy_formula = (
-        None if all(number.constant for number in part) else (part[0].formula, part[1].formula, part[2].formula)
-        for part in (xyz, rpy)
-    )
-    return new_origin(xyz=values(xyz), rpy=values(rpy), xyz_formula=xyz_formula, rpy_formula=rpy_formula)
+    return new_origin(xyz=values(xyz), rpy=values(rpy), xyz_formula=_formulas(xyz), rpy_formula=_formulas(rpy))
+
+
+def _formulas(vector: Quantities) -> tuple[str, str, str] | None:
+    x, y, z = vector
+    return None if x.constant and y.constant and z.constant else (x.formula, y.formula, z.formula)
 
 
 def values(vector: Quantities) -> Vec3:

@@ -44,7 +44,10 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
 
         manipulator, problems = with_split_links(manipulator)
     problems += [*paper_problems(manipulator, options.snap)] if is_paper else []
-    problems += [*of_meshes(manipulator, placed=not is_paper), *without_effect(manipulator, options)]
+    with_meshes = names_meshes(manipulator)
+    if with_meshes:
+        problems += of_meshes(manipulator, placed=not is_paper)
+    problems += without_effect(manipulator, options)
     if any(problem.severity == "error" for problem in problems):
         raise TransformError([problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems])
     if is_paper:
@@ -53,7 +56,8 @@ def alpha_swap(manipulator: Manipulator, options: AlphaSwapOptions) -> Robot:
         robot = paper(manipulator, options)
     else:
         robot = exact(manipulator, options)
-        problems += [*raised, *angle_notices(given), *follower_notices(given), *other_lengths(given)]
+        problems += [*raised, *angle_notices(given), *follower_notices(given)]
+        problems += other_lengths(given) if with_meshes else ()
     notices = tuple(notice.about(robot=robot.name, mark=manipulator.mark) for notice in problems)
     return replace(robot, notices=notices, manipulator=None if manipulator is given else manipulator)
 
@@ -67,15 +71,20 @@ def alpha_swap_columns(
     """
     if options.variant == "paper" or options.near_parallel == "split":
         return None
-    has_notices = any(of_meshes(columns.table)) or (len(columns) and any(without_effect(columns.pick(0), options)))
-    return [] if has_notices else exact_columns(columns, options)
+    has_notices = names_meshes(columns.table) and any(of_meshes(columns.table))
+    if has_notices or (len(columns) and any(without_effect(columns.pick(0), options))):
+        return []
+    return exact_columns(columns, options)
+
+
+def names_meshes(manipulator: Manipulator) -> bool:
+    """Whether a table has meshes; most have none."""
+    meshes = [manipulator.base_visual, manipulator.base_collision]
+    return any(meshes) or any(row.visual or row.collision for row in manipulator.rows)
 
 
 def of_meshes(manipulator: Manipulator, *, placed: bool = True) -> Iterable[Problem]:
-    """What is wrong with the meshes of a table; most tables have none."""
-    meshes = [manipulator.base_visual, manipulator.base_collision]
-    if not any(meshes) and not any(row.visual or row.collision for row in manipulator.rows):
-        return ()
+    """What is wrong with the meshes of a table."""
     from dh2urdf_plugins.transforms.meshes import mesh_problems, unplaced_meshes
 
     return mesh_problems(manipulator) if placed else unplaced_meshes(manipulator)
@@ -85,6 +94,9 @@ def without_effect(manipulator: Manipulator, options: AlphaSwapOptions) -> Itera
     """Shapes, radii and densities of a table that change nothing, and a shape that the base cannot have."""
     base, whole, rows = manipulator.base_geometry, manipulator.geometry, manipulator.rows
     is_paper, usual = options.variant == "paper", AlphaSwapOptions()
+    said = [base.shape, base.radius, whole.shape, whole.radius, manipulator.density, *(row.radius for row in rows)]
+    if not is_paper and said.count(None) == len(said):
+        return
     base_shows, shown = (False, [False for _ in rows]) if is_paper else _shown(manipulator, options)
     needs_radius = any(shows and row.radius is None for row, shows in zip(rows, shown, strict=True))
     boxes = "the paper's variant draws boxes of its own"

@@ -71,7 +71,8 @@ class _UrdfReader(FileElements):
         )
 
     def _joint(self, element: etree._Element) -> Joint:
-        parent, child = (self.text(self.child(element, end), "link") for end in ("parent", "child"))
+        parent = self.text(self.child(element, "parent"), "link")
+        child = self.text(self.child(element, "child"), "link")
         return self.joint(element, self.text(element, "name"), parent, child, self._motion)
 
     def _motion(self, element: etree._Element) -> dict[str, Any]:

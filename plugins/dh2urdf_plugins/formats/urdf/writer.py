@@ -147,9 +147,10 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
 def materials_of(robot: Robot) -> dict[str, Material]:
     """The materials of a robot by their names, each of which has one colour."""
     materials: dict[str, Material] = {}
-    for visual in (visual for link in robot.links for visual in link.visuals):
-        if (material := visual.material) and materials.setdefault(material.name, material) != material:
-            raise refused(robot, "material-of-two-colours", material=material.name)
+    for link in robot.links:
+        for visual in link.visuals:
+            if (material := visual.material) and materials.setdefault(material.name, material) != material:
+                raise refused(robot, "material-of-two-colours", material=material.name)
     return materials
 
 

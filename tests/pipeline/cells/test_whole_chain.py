@@ -1,4 +1,4 @@
-"""An arm on a track is one chain for whoever asks: its table, its inverse kinematics and its group, against Pinocchio."""
+"""An arm on a track is one chain: for its table, its inverse kinematics and its group of MoveIt."""
 
 from collections.abc import Callable, Sequence
 from math import cos, sin
@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio
 import pytest
 from command_line import Cli
 from lxml import etree
+from pinocchio_frames import pinocchio_frames
 
 import dh2urdf
 from dh2urdf.errors import RecordError
@@ -33,6 +33,7 @@ JAW = "# convention: standard\njoint,type,a,alpha,d,lower,upper,velocity,effort\
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The files of a cell: an arm on a track with a hand, and an arm that stands alone."""
+    pytest.importorskip("pinocchio")  # It finds the collision pairs of the SRDF.
     folder = tmp_path_factory.mktemp("chain")
     (folder / "jaw.csv").write_text(JAW)
     (folder / "run.yaml").write_text(RUN)
@@ -43,19 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def pose_of(folder: Path) -> Callable[[dict[str, float], str], np.ndarray]:
     """T(world → link) as Pinocchio has it."""
-    model = pinocchio.buildModelFromUrdf(str(folder / "cell.urdf"))
-    data = model.createData()
-
-    def pose(q: dict[str, float], link: str) -> np.ndarray:
-        vector = pinocchio.neutral(model)
-        for name, value in q.items():
-            joint = model.joints[model.getJointId(name)]
-            vector[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [cos(value), sin(value)]
-        pinocchio.framesForwardKinematics(model, data, vector)
-        frame: np.ndarray = data.oMf[model.getFrameId(link)].homogeneous
-        return frame.copy()
-
-    return pose
+    return pinocchio_frames(folder / "cell.urdf")
 
 
 def vectors(joints: Sequence[Any], count: int) -> np.ndarray:

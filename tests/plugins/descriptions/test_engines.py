@@ -6,17 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pinocchio_frames import pinocchio_frames
 from random_chains import random_chain
 
 import dh2urdf
 from dh2urdf.manipulator import Convention, JointType
+from dh2urdf.robot import Joint
 
 CHAINS = 12
 
 
-def description(draw: random.Random) -> tuple[str, int]:
-    """The URDF of a random chain, written here; and how many joints move."""
-    joints = random_chain(draw)
+def description(joints: list[Joint]) -> str:
+    """The URDF of a chain, written here."""
     text = ['<robot name="arm"><link name="base"/>']
     parent = "base"
     for joint in joints:
@@ -30,32 +31,23 @@ def description(draw: random.Random) -> tuple[str, int]:
             f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>{limit}</joint>'
         )
         parent = joint.child
-    return "".join([*text, "</robot>"]), sum(joint.type is not JointType.FIXED for joint in joints)
+    return "".join([*text, "</robot>"])
 
 
-@pytest.mark.skipif(not find_spec("pinocchio"), reason="pinocchio is not installed")
 @pytest.mark.parametrize("convention", list(Convention))
 def test_pinocchio(tmp_path: Path, convention: Convention) -> None:
     """Its pose of the tip is that of the table; it reads rpy with 1e-15 and a continuous joint as cosine and sine."""
-    import pinocchio
-
     for number in range(CHAINS):
         draw = random.Random(f"pinocchio {number}")  # noqa: S311 - reproducible on purpose
-        text, moving = description(draw)
-        path = tmp_path / f"{number}.urdf"
-        path.write_text(text)
+        path, joints = tmp_path / f"{number}.urdf", random_chain(draw)
+        path.write_text(description(joints))
         arm = dh2urdf.extract(path, convention=str(convention), tolerance=1e-12)
-        model = pinocchio.buildModelFromUrdf(str(path))
-        data = model.createData()
-        tip = model.nframes - 1
+        frame = pinocchio_frames(path)
         for _ in range(4):
-            q = [draw.uniform(-2, 2) for _ in range(moving)]
-            wanted: list[float] = []
-            for value, joint in zip(q, list(model.joints)[1:], strict=True):
-                wanted += [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
-            pinocchio.framesForwardKinematics(model, data, np.array(wanted))
-            size = max(1.0, np.abs(data.oMf[tip].homogeneous).max())
-            assert np.abs(data.oMf[tip].homogeneous - arm.fk(q)).max() < 2e-12 * size, f"chain {number}"
+            q = {joint.name: draw.uniform(-2, 2) for joint in joints if joint.type is not JointType.FIXED}
+            wanted = frame(q, joints[-1].child)
+            size = max(1.0, np.abs(wanted).max())
+            assert np.abs(wanted - arm.fk([*q.values()])).max() < 2e-12 * size, f"chain {number}"
 
 
 @pytest.mark.skipif(not find_spec("mujoco"), reason="mujoco is not installed")

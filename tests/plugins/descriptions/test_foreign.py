@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pinocchio_frames import pinocchio_frames
 
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
@@ -76,16 +77,12 @@ def test_shapes_that_urdf_has_no_word_for(tmp_path: Path) -> None:
 
 def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
     """Pinocchio reads the mimic element itself."""
-    pinocchio = pytest.importorskip("pinocchio")
     path = tmp_path / "gripper.urdf"
     path.write_text(GRIPPER.format(attributes="name='gripper'").replace("floating", "fixed"))
     found = foreign_urdf(path)
     followers = following(found.followers, ["a", "b"])
     poses = link_poses(found.robot, with_followers({"a": 0.7}, followers))
-    model = pinocchio.buildModelFromUrdf(str(path), True)  # with mimic joints
-    data = model.createData()
-    pinocchio.framesForwardKinematics(model, data, np.array([0.7]))
-    held = data.oMf[model.getFrameId("two")].homogeneous
+    held = pinocchio_frames(path, mimic=True)({"a": 0.7}, "two")
     assert as_matrices(poses["two"]) == pytest.approx(held, abs=1e-12)
 
 

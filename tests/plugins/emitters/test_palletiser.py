@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import Cli
+from pinocchio_frames import pinocchio_frames
 
 import dh2urdf
 
@@ -32,6 +33,15 @@ def by_hand(q: Any) -> Any:
     pose[:2, :2] = [[-np.cos(turn), -np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
     pose[:3, 3] = out * np.cos(first), out * np.sin(first), up
     return pose
+
+
+def motors(q: Any) -> dict[str, float]:
+    """The values of the joints that move by themselves."""
+    return {f"joint_{number}": value for number, value in enumerate(q, start=1)}
+
+
+def every(q: Any) -> dict[str, float]:
+    return {"elbow": -q[1], "wrist": -q[2], **motors(q)}
 
 
 @pytest.fixture(scope="module")
@@ -134,17 +144,10 @@ def test_mujoco_keeps_the_flange_level_while_it_moves(folder: Path) -> None:
 @pytest.mark.parametrize("mimic", [True, False])
 def test_pinocchio(folder: Path, mimic: bool) -> None:  # noqa: FBT001 - a parameter
     """With its mimic joints the model has four coordinates; without, elbow and wrist get their values."""
-    pin = pytest.importorskip("pinocchio")
-    try:
-        model = pin.buildModelFromUrdf(str(folder / "arm.urdf"), mimic=mimic)
-    except TypeError:
-        pytest.skip("this Pinocchio has no mimic joints")
-    assert model.nq == (4 if mimic else 6)
-    data, frame = model.createData(), model.getFrameId("tool0")
+    frame = pinocchio_frames(folder / "arm.urdf", mimic=mimic)
     for q in vectors(20):
-        whole = np.array([q[0], q[1], -q[1], q[2], -q[2], q[3]])
-        pin.framesForwardKinematics(model, data, q if mimic else whole)
-        assert np.abs(data.oMf[frame].homogeneous - by_hand(q)).max() < 1e-9
+        values = motors(q) if mimic else every(q)
+        assert np.abs(frame(values, "tool0") - by_hand(q)).max() < 1e-9
 
 
 @pytest.mark.parametrize("name", ["arm.urdf", "arm.sdf"])
@@ -163,31 +166,7 @@ def test_drake_couples_the_joints(folder: Path, name: str) -> None:
     assert plant.num_constraints() == 2
     context = plant.CreateDefaultContext()
     for q in vectors(5):
-        values = {"elbow": -q[1], "wrist": -q[2], **{f"joint_{number + 1}": q[number] for number in range(4)}}
-        for joint, value in values.items():
+        for joint, value in every(q).items():
             plant.GetJointByName(joint).set_angle(context, value)
         found = plant.GetFrameByName("tool0").CalcPoseInWorld(context).GetAsMatrix4()
         assert np.abs(found - by_hand(q)).max() < 1e-9
-
-
-def test_pybullet_has_the_pose_where_the_values_obey(folder: Path) -> None:
-    """Bullet knows no mimic: a program sets all six."""
-    bullet = pytest.importorskip("pybullet")
-    client = bullet.connect(bullet.DIRECT)
-    try:
-        arm = bullet.loadURDF(str(folder / "arm.urdf"), useFixedBase=True, physicsClientId=client)
-        infos = [
-            bullet.getJointInfo(arm, index, physicsClientId=client)
-            for index in range(bullet.getNumJoints(arm, physicsClientId=client))
-        ]
-        joints, links = ({info[place].decode(): info[0] for info in infos} for place in (1, 12))
-        for q in vectors(5):
-            values = {"elbow": -q[1], "wrist": -q[2], **{f"joint_{number + 1}": q[number] for number in range(4)}}
-            for name, value in values.items():
-                bullet.resetJointState(arm, joints[name], value, physicsClientId=client)
-            state = bullet.getLinkState(arm, links["tool0"], computeForwardKinematics=True, physicsClientId=client)
-            assert np.abs(np.array(state[4]) - by_hand(q)[:3, 3]).max() < 1e-5
-            rotation = np.reshape(bullet.getMatrixFromQuaternion(state[5]), (3, 3))
-            assert np.abs(rotation - by_hand(q)[:3, :3]).max() < 1e-5
-    finally:
-        bullet.disconnect(client)

@@ -13,6 +13,7 @@ import pytest
 from any_tables import ANGLES, LENGTHS, manipulators
 from hypothesis import given, strategies as st
 from numpy.typing import NDArray
+from pinocchio_frames import pinocchio_frames
 from plain_frames import turn
 
 from dh2urdf.fields import replace_unchecked
@@ -282,6 +283,9 @@ def test_links_and_joints_have_the_names_of_the_interface(ur5: Manipulator) -> N
 # --- A description of the real arm, by other people and through another library
 
 
+UR5_JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+
+
 @pytest.fixture
 def description() -> Path:
     """The UR5 of the PyPI package example-robot-data."""
@@ -297,16 +301,13 @@ def test_with_a_half_turn_at_its_base_the_table_is_the_real_ur5(
     ur5: Manipulator, description: Path, frames: str
 ) -> None:
     """T(base_link → tool0) of the real description is Rz(π) times the DH product of the paper's table, for every q."""
-    pinocchio = pytest.importorskip("pinocchio")
-    model = pinocchio.buildModelFromUrdf(str(description))
-    data = model.createData()
-    base, tool = model.getFrameId("base_link"), model.getFrameId("tool0")
+    frame, joints = pinocchio_frames(description), [f"{name}_joint" for name in UR5_JOINTS]
     half_turn = RigidTransform.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.pi))
     chain = KinematicChain.between(alpha_swap(replace(ur5, base=half_turn), AlphaSwapOptions(frames=frames)))
     rng = np.random.default_rng(5)
     for q in (np.zeros(6), *rng.uniform(-2 * math.pi, 2 * math.pi, (50, 6))):
-        pinocchio.framesForwardKinematics(model, data, q)
-        real = data.oMf[base].actInv(data.oMf[tool]).homogeneous
+        values = dict(zip(joints, q, strict=True))
+        real = np.linalg.inv(frame(values, "base_link")) @ frame(values, "tool0")
         np.testing.assert_allclose(as_matrices(chain.forward_kinematics(list(q))), real, rtol=0, atol=1e-9)
 
 

@@ -173,7 +173,8 @@ class Attachment(Record):
         prefix: what stands before the names of its links, joints and materials in the whole robot.
         parent: name of the link of the whole robot that holds it.
         placement: the frame of its first link in the parent's.
-        robot: the robot as its own file describes it, the link that is held first.
+        robot: the robot as its own file describes it, the link that is held first; its name is that of the part, which
+            is the same where a cell has one part several times.
         elements: the elements of its file beside links, joints and materials, as XML; their names have no prefix.
         tip: the link of it that is the tool of the whole robot, without the prefix; None where tool0 stays the tool.
     """

@@ -111,7 +111,7 @@ def attachment_of(found: ForeignRobot, path: Path, call: AttachmentCall) -> tupl
         prefix=prefix,
         parent=call.parent,
         placement=placement,
-        robot=replace(robot, joints=joints),
+        robot=replace(robot, name=call.name, joints=joints),
         elements=elements,
         tip=call.tip,
     )

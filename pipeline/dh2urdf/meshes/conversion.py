@@ -66,7 +66,7 @@ def converted(robot: Robot, how: MeshConversion) -> Robot:
     return replace(robot, notices=unsettled(robot.notices), arms=arms)
 
 
-def _visuals(shape: Visual) -> Iterator[Visual]:
+def _visuals(_link: str, shape: Visual) -> Iterator[Visual]:
     """A visual in OBJ: several, where its file has several colours and the robot gives it none."""
     mesh = shape.geometry
     if not isinstance(mesh, Mesh) or mesh.file is None:
@@ -80,7 +80,7 @@ def _visuals(shape: Visual) -> Iterator[Visual]:
         yield replace(shape, geometry=_geometry(file), material=material)
 
 
-def _collisions(shape: Collision, how: MeshConversion) -> Iterator[Collision]:
+def _collisions(_link: str, shape: Collision, how: MeshConversion) -> Iterator[Collision]:
     mesh = shape.geometry
     if not isinstance(mesh, Mesh) or mesh.file is None:
         yield shape

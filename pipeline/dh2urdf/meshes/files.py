@@ -125,7 +125,7 @@ def located(robot: Robot, prefix: str | None) -> Robot:
     if prefix is None or not mesh_files(robot):
         return robot
 
-    def named(shape: S) -> list[S]:
+    def named(_link: str, shape: S) -> list[S]:
         mesh = shape.geometry
         if not isinstance(mesh, Mesh) or mesh.file is None:
             return [shape]
@@ -135,15 +135,20 @@ def located(robot: Robot, prefix: str | None) -> Robot:
 
 
 def with_shapes(
-    robot: Robot, seen: Callable[[Visual], Iterable[Visual]], touching: Callable[[Collision], Iterable[Collision]]
+    robot: Robot,
+    seen: Callable[[str, Visual], Iterable[Visual]],
+    touching: Callable[[str, Collision], Iterable[Collision]],
 ) -> Robot:
-    """A robot, and the kinds of its arms, with other visuals and collisions; an `EmitterError` names the link."""
+    """A robot, and the kinds of its arms, with other visuals and collisions, given the name of the link and the shape.
+
+    An `EmitterError` names the link.
+    """
     kinds = {id(arm.kind): with_shapes(arm.kind, seen, touching) for arm in robot.arms}
     links = []
     for link in robot.links:
         try:
-            visuals = tuple([made for shape in link.visuals for made in seen(shape)])
-            collisions = tuple([made for shape in link.collisions for made in touching(shape)])
+            visuals = tuple([made for shape in link.visuals for made in seen(link.name, shape)])
+            collisions = tuple([made for shape in link.collisions for made in touching(link.name, shape)])
         except EmitterError as error:
             of = f"link {shown(link.name)}: "
             raise EmitterError(replace(each, message=of + each.message) for each in error.problems) from error

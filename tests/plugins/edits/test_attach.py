@@ -120,6 +120,23 @@ def test_every_reference_has_the_prefix(suffix: str, convert: Callable[..., tupl
     assert {"hand_base_link", "tool0", "hand_tool0"} <= names
 
 
+def test_mujoco_has_the_settings_of_two_hands(tmp_path: Path) -> None:
+    """In one element, the first of each; the profile for ROS has none."""
+    mujoco = pytest.importorskip("mujoco")
+    edits = []
+    for name, parent, step, flag in (("a", "tool0", 0.001, "gravity"), ("b", "a_tool0", 0.004, "contact")):
+        settings = f'<option timestep="{step}"><flag {flag}="disable"/></option><size nkey="3"/>'
+        (tmp_path / f"{name}.urdf").write_text(HAND.replace('<option timestep="0.001"/>', settings), "utf-8")
+        edits.append({"attach": {"file": str(tmp_path / f"{name}.urdf"), "name": name, "parent": parent}})
+    with pytest.warns(dh2urdf.TableWarning, match="option timestep=0.004"):
+        dh2urdf.convert(dh2urdf.read(TABLE), tmp_path / "out.urdf", edits=edits)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out.urdf"))
+    flags = mujoco.mjtDisableBit.mjDSBL_GRAVITY | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    assert (model.opt.timestep, model.opt.disableflags, model.nkey) == (0.001, flags, 3)
+    dh2urdf.convert(dh2urdf.read(TABLE), tmp_path / "out.urdf", edits=edits, profile="ros")
+    assert etree.parse(str(tmp_path / "out.urdf")).find("mujoco") is None
+
+
 def test_the_efforts_carry_it(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
     """Twice the weight at the end of the way, at least; an effort of the table stays."""
     _, laden = convert(".urdf")

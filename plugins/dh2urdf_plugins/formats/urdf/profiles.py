@@ -18,7 +18,7 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Set as AbstractSet
+    from collections.abc import Iterator, Set as AbstractSet
 
     from dh2urdf_plugins.formats.urdf import ProfileName
     from dh2urdf_plugins.formats.urdf.writer import Notation
@@ -81,13 +81,25 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
 def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
     """What a person should know of the file of a profile."""
     name: ProfileName = options.profile
+    found = [*_settings_left_out(robot, PROFILES[name])]
     if name == "coppeliasim":
         from dh2urdf_plugins.coppeliasim_import import notices_for_coppeliasim
 
-        return notices_for_coppeliasim(robot)
-    if PROFILES[name].base_body:
-        return [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
-    return notices_for_gazebo(robot, filled=False) if name in FOR_GAZEBO_TOO else []
+        found += notices_for_coppeliasim(robot)
+    elif PROFILES[name].base_body:
+        found += [*notices_for_gazebo(robot, filled=True), *notices_of_riders(robot)]
+    elif name in FOR_GAZEBO_TOO:
+        found += notices_for_gazebo(robot, filled=False)
+    return found
+
+
+def _settings_left_out(robot: Robot, profile: Profile) -> Iterator[Problem]:
+    """The settings for MuJoCo in the files of attachments that the file of the whole robot has otherwise."""
+    from dh2urdf_plugins.formats.urdf.writer import Notation, append_mujoco
+
+    if robot.attachments and profile.mujoco_element:
+        for name, setting, kept in append_mujoco(etree.Element("robot"), robot, Notation()):
+            yield say("mujoco-setting-left-out", name=name, setting=setting, kept=kept)
 
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:

@@ -22,7 +22,7 @@ from dh2urdf.rotations import RigidTransform
 from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from dh2urdf.robot import Attachment, Collision, Geometry, Inertial, Joint, Link, Material, Origin, Robot, Visual
     from dh2urdf_plugins.formats.urdf import UrdfVersion
@@ -40,6 +40,8 @@ LONGEST_COMMENT = 1000
 # them (section 3.3.3), and minidom, which writes xacro's output, does not escape them.
 _NOT_FOR_XML = "[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
+READ_BY_MUJOCO = {"compiler", "option", "size"}
+"""What MuJoCo reads of its element in a URDF."""
 MESH_FOLDERS = {"meshdir", "texturedir", "assetdir"}
 """Options of MuJoCo that say where meshes are: they are elsewhere here."""
 
@@ -122,7 +124,8 @@ def urdf_tree(
 ) -> etree._Element:
     """The whole tree of a URDF, under a name that is written already; with the settings for MuJoCo, if asked for."""
     root = notation.robot(name)
-    append_mujoco_options(root, robot, notation, own=mujoco)
+    if mujoco:
+        append_mujoco(root, robot, notation)
     append_robot(root, robot, notation, shared_materials=shared_materials)
     return root
 
@@ -140,8 +143,7 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
         if joint := joint_to.get(link.name):
             _append_joint(parent, joint, notation, is_foreign=joint.name in foreign)
         _append_link(parent, link, notation, shared_materials=shared_materials)
-    for attachment in robot.attachments:
-        append_carried(parent, attachment, notation)
+    parent.extend([each for _, each in _carried(robot, notation, notation.name) if each.tag != "mujoco"])
 
 
 def materials_of(robot: Robot) -> dict[str, Material]:
@@ -154,38 +156,50 @@ def materials_of(robot: Robot) -> dict[str, Material]:
     return materials
 
 
-def append_carried(parent: etree._Element, attachment: Attachment, notation: Notation) -> None:
-    """Appends what the file of an attachment has for programs but MuJoCo, with the names that its links have here."""
-    for text in attachment.elements:
-        names = attachment.names
-        element = renamed(text, names, lambda name: notation.name(attachment.prefix + name), notation.verbatim)
-        if element.tag != "mujoco":
-            parent.append(element)
+def _carried(
+    robot: Robot, notation: Notation, name: Callable[[str], str]
+) -> Iterator[tuple[Attachment, etree._Element]]:
+    """What the files of attachments have for other programs, whose names are those that links and joints have here."""
+    for each in robot.attachments:
+        names = each.names
+        for text in each.elements:
+            yield each, renamed(text, names, lambda own: name(each.prefix + own), notation.verbatim)  # noqa: B023 - at once
 
 
-def append_mujoco_options(parent: etree._Element, robot: Robot, notation: Notation, *, own: bool = True) -> None:
+def append_mujoco(parent: etree._Element, robot: Robot, notation: Notation) -> list[tuple[str, str, str]]:
     """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
 
-    Of meshes it takes the file's name alone, without its folder, unless an option forbids it. It reads one element of
-    its own in a file: options of attachments are added to those.
+    Of meshes it takes the file's name alone, without its folder, unless an option forbids it. It refuses a second
+    element of its own, and in it a second one of those that it reads. So the settings of attachments are added, and
+    where one is there already, it stays.
+
+    Returns:
+        The settings that are left out: the name of the attachment, the setting, and the value that stays.
     """
-    element = etree.Element("mujoco")
-    if own:
-        options = {"fusestatic": "false", "discardvisual": "false"}
-        etree.SubElement(element, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
-    for attachment in robot.attachments:
-        for text in attachment.elements:
-            prefix, names = attachment.prefix, attachment.names
-            carried = renamed(text, names, lambda name: notation.text(prefix + name), notation.verbatim)  # noqa: B023 - used here
-            for child in carried if carried.tag == "mujoco" else ():
-                if (there := element.find(str(child.tag))) is None:
-                    there = etree.SubElement(element, str(child.tag))
-                    there.extend(child)
-                for name, value in child.items():
-                    if name not in there.attrib and name not in MESH_FOLDERS:
-                        there.set(name, value)
-    if len(element):
-        parent.append(element)
+    whole, lost = etree.SubElement(parent, "mujoco"), list[tuple[str, str, str]]()
+    options = {"fusestatic": "false", "discardvisual": "false"}
+    etree.SubElement(whole, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
+    for attachment, element in _carried(robot, notation, notation.text):
+        for child in element if element.tag == "mujoco" else ():
+            if child.tag in READ_BY_MUJOCO:
+                lost += [(attachment.name, *each) for each in _merged(whole, child)]
+            else:
+                whole.append(child)
+    return lost
+
+
+def _merged(parent: etree._Element, element: etree._Element) -> Iterator[tuple[str, str]]:
+    """Merges an element into the one of its tag; yields the settings that have another value there, which stays."""
+    tag = str(element.tag)
+    there = parent.find(tag)
+    there = etree.SubElement(parent, tag) if there is None else there
+    for name, value in element.items():
+        if there.get(name, value) != value:
+            yield f"{tag} {name!s}={value!s}", str(there.get(name))
+        elif name not in MESH_FOLDERS:
+            there.set(name, value)
+    for child in element:
+        yield from _merged(there, child)
 
 
 def append_inertial(parent: etree._Element, link: str, inertial: Inertial, notation: Notation) -> None:

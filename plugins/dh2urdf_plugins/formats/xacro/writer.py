@@ -38,7 +38,7 @@ from dh2urdf_plugins.formats.urdf.writer import (
     Notation,
     append_comment,
     append_inertial,
-    append_mujoco_options,
+    append_mujoco,
     append_robot,
     materials_of,
     serialise,
@@ -150,7 +150,8 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
     top = notation.robot(notation.text(robot.name), nsmap={"xacro": NAMESPACE})
     if not robot.arms:
         append_arguments(top, PLACEMENT)
-    append_mujoco_options(top, robot, notation, own=profile.mujoco_element)
+    if profile.mujoco_element:
+        append_mujoco(top, robot, notation)
     place, library = len(top), etree.Element("robot", nsmap={"xacro": NAMESPACE})
     if not single_file:
         # xacro takes a file name for a pattern.
@@ -161,16 +162,7 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
         _append_macro(library, kind, name, profile, parts)
         if f"{name}_at" not in macros:
             append_placed_macro(library, name)
-    if robot.arms:
-        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
-    else:
-        append_call(top, *macros)
-    for each in standing(robot):
-        if isinstance(each, Arm):
-            name = next(name for name, kind in macros.items() if kind is each.kind)
-            append_call_of_arm(top, name, each, notation)
-        else:
-            parts.append_call(top, robot, each, notation.text)
+    append_calls(top, robot, macros, parts)
     trees = {"_macro.xacro": library} | ({"_parts.xacro": parts.library()} if robot.attachments else {})
     if single_file:  # A macro comes before its calls.
         top[place:place] = [each for tree in reversed(trees.values()) for each in tree]
@@ -205,16 +197,6 @@ def with_laden_kinds(robot: Robot) -> Robot:
     return replace(robot, arms=tuple(arms))
 
 
-def standing(robot: Robot) -> list[Arm | Attachment]:
-    """What the file to open calls of a cell: its arms, and the attachments that no arm brings, as its links come."""
-    roots: dict[str, Arm | Attachment] = {each.prefix + each.robot.root: each for each in robot.attachments}
-    for arm in robot.arms:
-        roots |= {arm.prefix + arm.kind.root: arm}
-        for each in arm.kind.attachments:
-            roots.pop(arm.prefix + each.prefix + each.robot.root, None)
-    return [roots[link.name] for link in robot.links if link.name in roots] if robot.arms else []
-
-
 def append_element(parent: etree._Element, tag: str, /, **attributes: str) -> etree._Element:
     """Appends an element of xacro's."""
     return etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}", attributes)
@@ -226,19 +208,35 @@ def append_arguments(top: etree._Element, defaults: Mapping[str, str]) -> None:
         append_element(top, "arg", name=name, default=default)
 
 
-def append_call(top: etree._Element, macro: str, files: Iterable[str] = ()) -> None:
-    """Appends the call of a macro with the arguments of the file, also `files`, and the link that the arm is on."""
-    mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
-    etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
-    call = append_element(top, macro, **_passed_on("$(arg {})", files))
-    etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
+def append_calls(
+    top: etree._Element, robot: Robot, macros: Mapping[str, Robot], parts: PartMacros, files: Iterable[str] = ()
+) -> None:
+    """Appends the calls of a file to open.
 
-
-def append_call_of_arm(top: etree._Element, macro: str, arm: Arm, notation: Notation) -> None:
-    """Appends the call of a macro for an arm of a cell."""
-    words = {"prefix": as_text(notation.text(arm.prefix)), "parent": as_text(notation.text(arm.parent))}
-    origin = {"xyz": notation.lengths(arm.placement.xyz), "rpy": notation.angles(arm.placement.rpy)}
-    etree.SubElement(append_element(top, macro, **words), "origin", origin)
+    They are that of its one macro, with the arguments of the file, also `files`, and the link that the arm is on; or,
+    below the root of a cell, those of its arms and of the attachments that no arm brings, as their links come.
+    """
+    if not robot.arms:
+        mounted = append_element(top, "unless", value="${'$(arg parent)' == ''}")
+        etree.SubElement(mounted, "link", {"name": "$(arg parent)"})
+        call = append_element(top, next(iter(macros)), **_passed_on("$(arg {})", files))
+        etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
+        return
+    notation = XacroNotation()
+    etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+    roots: dict[str, Arm | Attachment] = {each.prefix + each.robot.root: each for each in robot.attachments}
+    for arm in robot.arms:
+        roots |= {arm.prefix + arm.kind.root: arm}
+        for own in arm.kind.attachments:
+            roots.pop(arm.prefix + own.prefix + own.robot.root, None)
+    for each in (roots[link.name] for link in robot.links if link.name in roots):
+        if isinstance(each, Arm):
+            name = next(name for name, kind in macros.items() if kind is each.kind)
+            words = {"prefix": as_text(notation.text(each.prefix)), "parent": as_text(notation.text(each.parent))}
+            origin = {"xyz": notation.lengths(each.placement.xyz), "rpy": notation.angles(each.placement.rpy)}
+            etree.SubElement(append_element(top, name, **words), "origin", origin)
+        else:
+            parts.append_call(top, robot, each, notation.text)
 
 
 def append_placed_macro(parent: etree._Element, macro: str, files: Mapping[str, str] | None = None) -> None:
@@ -414,11 +412,11 @@ class PartMacros:
         if self._profile.transmissions:
             append_transmissions(macro, part, notation)
         content = etree.tostring(macro)
-        wanted = macro_name(f"part_{attachment.name}", f"part_{attachment.name}")
+        wanted = f"part_{attachment.robot.name}"
         for name, (known, _) in self._macros.items():
             if known == content:
                 return name
-        name = numbered_name(wanted, {*self._taken, *self._macros})
+        name = numbered_name(macro_name(wanted, wanted), {*self._taken, *self._macros})
         macro.set("name", name)
         self._macros[name] = content, macro
         return name

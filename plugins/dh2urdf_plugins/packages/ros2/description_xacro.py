@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from lxml import etree
 
-from dh2urdf.robot import Arm
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, append_comment, append_robot, serialise
 from dh2urdf_plugins.formats.xacro import writer as xacro
 from dh2urdf_plugins.packages.ros2 import PLUGINS, HardwareName
-from dh2urdf_plugins.packages.ros2.yaml_files import LIMIT_KEYS, Driven, driven, follows_whole_table, parameter_key
+from dh2urdf_plugins.packages.ros2.yaml_files import (
+    LIMIT_KEYS,
+    ControlledJoints,
+    controlled_joints,
+    follows_whole_table,
+    parameter_key,
+)
 from dh2urdf_plugins.packages.srdf.semantics import arms_of
 from dh2urdf_plugins.packages.templates import filled
 
@@ -123,18 +128,18 @@ def control_file(kind: Kind, package: str, options: Ros2Options) -> bytes:
     return filled(template(""), **words).encode()
 
 
-def driven_kinds(
+def systems_of(
     robot: Robot, kinds: Sequence[Kind], parts: xacro.PartMacros, options: Ros2Options
-) -> list[tuple[Driven, Kind]]:
+) -> list[tuple[ControlledJoints, Kind]]:
     """What has a ros2_control that the packages write, each with the kind that it is; none without hardware."""
-    found: list[tuple[Driven, Kind]] = []
+    found: list[tuple[ControlledJoints, Kind]] = []
     arms = {prefix: next(kind for kind in kinds if kind.robot is alone) for prefix, alone in arms_of(robot)}
-    for each in driven(robot, options.group) if options.controlled else ():
+    for each in controlled_joints(robot, options.group) if options.controlled else ():
         if each.attachment is None:
             found.append((each, arms[each.prefix]))
-        elif not each.has_system:
+        elif each.hardware.joints:
             macro = parts.macro_of(robot, each.attachment)
-            found.append((each, Kind(macro=macro, robot=each.robot, folder=f"config/{macro}")))
+            found.append((each, Kind(macro=macro, robot=each.hardware, folder=f"config/{macro}")))
     return found
 
 
@@ -142,7 +147,7 @@ def top_file(robot: Robot, kinds: Sequence[Kind], parts: xacro.PartMacros, packa
     """The file to open: a robot of its own arguments, or the arms of a cell where they are."""
     notation = xacro.XacroNotation()
     top = etree.Element("robot", name=notation.text(robot.name), nsmap={"xacro": xacro.NAMESPACE})
-    controlled, systems = options.controlled, driven_kinds(robot, kinds, parts, options)
+    controlled, systems = options.controlled, systems_of(robot, kinds, parts, options)
     files = {} if robot.arms else kinds[0].files
     placement = {} if robot.arms else xacro.PLACEMENT
     defaults = {name: kinds[0].default(package, file) for name, file in files.items()}
@@ -161,16 +166,7 @@ def top_file(robot: Robot, kinds: Sequence[Kind], parts: xacro.PartMacros, packa
     included += dict.fromkeys(f"urdf/{kind.macro}.ros2_control.xacro" for _, kind in systems)
     for file in included:
         xacro.append_element(top, "include", filename=f"$(find {package})/{file}")
-    if robot.arms:
-        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
-    else:
-        xacro.append_call(top, kinds[0].macro, files)
-    for standing in xacro.standing(robot):
-        if isinstance(standing, Arm):
-            macro = next(each.macro for each in kinds if each.robot is standing.kind)
-            xacro.append_call_of_arm(top, macro, standing, notation)
-        else:
-            parts.append_call(top, robot, standing, notation.text)
+    xacro.append_calls(top, robot, {kind.macro: kind.robot for kind in kinds}, parts, files)
     for each, kind in systems:  # It is there unless the hardware is `none`.
         own = notation.text(each.prefix)
         prefix = xacro.as_text(own) if robot.arms else f"'$(arg prefix){own}'"

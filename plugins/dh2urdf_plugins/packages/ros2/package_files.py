@@ -59,7 +59,7 @@ def robot_name(stem: str, package: str) -> str:
 
 def proposed_name(name: str) -> str:
     """The name that REP 144 allows and that is nearest to another."""
-    near = _near(name.lower(), "[^a-z0-9]+").strip("_")
+    near = plain_name(name.lower(), "[^a-z0-9]+").strip("_")
     if not near:
         return "my_arm"
     return near if near[0].isalpha() and len(near) >= _SHORTEST else f"arm_{near}"
@@ -72,24 +72,24 @@ def check_names(robot: Robot, *, prefixes: bool) -> None:
     named = [("link", link.name) for link in robot.links] + [("joint", joint.name) for joint in robot.joints]
     for what, name in [*named, *(("material", name) for name in dict.fromkeys(materials))]:
         if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
-            near = _near(name, "[^A-Za-z0-9_-]+").strip("_") or what
+            near = plain_name(name).strip("_") or what
             problems.append(say("ros-name-wrong", found=name, what=what, near=near))
     # Prefixes begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name).
     for arm in robot.arms if prefixes else ():
         if arm.prefix and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", arm.prefix):
-            near = _near(arm.prefix, "[^A-Za-z0-9_]+")
+            near = plain_name(arm.prefix, "[^A-Za-z0-9_]+")
             proposed = f"arm_{near}" if near[:1].isdigit() else near
             problems.append(say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed))
     for each in robot.attachments if prefixes else ():
         if each.robot.actuated_joints and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", each.name):
-            near = _near(each.name, "[^A-Za-z0-9_]+")
+            near = plain_name(each.name, "[^A-Za-z0-9_]+")
             proposed = f"part_{near}" if near[:1].isdigit() else near
             problems.append(say("ros-part-wrong", found=each.name, proposed=proposed))
     if problems:
         raise EmitterError(problems)
 
 
-def _near(name: str, others: str) -> str:
+def plain_name(name: str, others: str = "[^A-Za-z0-9_-]+") -> str:
     """A name without accents, and with ``_`` for each run of other characters."""
     bare = "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
     return re.sub(others, "_", bare)

@@ -98,11 +98,11 @@ def _description(
         yield f"{kind.folder}/physical_parameters.yaml", yamls.physical_parameters(kind.bare)
     if robot.attachments:
         yield xacros.parts_file(package), serialise(parts.library(), robot.comment)
-    for kind in {kind.macro: kind for _, kind in xacros.driven_kinds(robot, kinds, parts, options)}.values():
+    for kind in {kind.macro: kind for _, kind in xacros.systems_of(robot, kinds, parts, options)}.values():
         yield f"urdf/{kind.macro}.ros2_control.xacro", xacros.control_file(kind, package, options)
         yield f"{kind.folder}/initial_positions.yaml", yamls.initial_positions(kind.bare)
     if controlled:
-        yield "config/ros2_controllers.yaml", yamls.controllers(yamls.driven(robot, options.group))
+        yield "config/ros2_controllers.yaml", yamls.controllers(yamls.controlled_joints(robot, options.group))
     yield "launch/view_robot.launch.py", files.launch_file(package, name, robot)
     yield "rviz/view_robot.rviz", files.view("view_robot.rviz", robot)
     yield "test/test_description.py", files.test_file(package, name, robot)
@@ -120,16 +120,17 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     """The files of the MoveIt package by their places in it."""
     if not robot.actuated_joints:
         raise EmitterError(say("moveit-without-joints", field="moveit"))
-    driven, description, controlled = yamls.driven(robot, options.group), f"{name}_description", options.controlled
+    description, controlled = f"{name}_description", options.controlled
+    joints = yamls.controlled_joints(robot, options.group)
     yield f"config/{name}.srdf", srdf(robot, options, options.group)
     yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
     yield "config/kinematics.yaml", yamls.kinematics([*groups(robot, options.group), *chains(robot, options.group)])
     yield "config/joint_limits.yaml", yamls.planning_limits(robot.actuated_joints, options.acceleration)
-    yield "config/moveit_controllers.yaml", yamls.moveit_controllers(driven)
+    yield "config/moveit_controllers.yaml", yamls.moveit_controllers(joints)
     if controlled:
-        yield "config/ros2_controllers.yaml", yamls.controllers(driven)
-        for each in (each for each in driven if not each.has_system):
-            yield f"config/{each.positions}.yaml", yamls.initial_positions(each.robot)
+        yield "config/ros2_controllers.yaml", yamls.controllers(joints)
+        for each in (each for each in joints if each.hardware.joints):
+            yield f"config/{each.positions}.yaml", yamls.initial_positions(each.hardware)
     yield "config/pilz_cartesian_limits.yaml", files.filled("pilz_cartesian_limits.yaml")
     yield "config/moveit.rviz", files.view("moveit.rviz", robot)
     # The launch files are named by the functions of `moveit_configs_utils.launches` that they call.
@@ -157,7 +158,7 @@ def _shown_description(robot: Robot, name: str, package: str, options: Ros2Optio
     top = etree.Element("robot", name=XacroNotation().text(robot.name), nsmap={"xacro": NAMESPACE})
     if options.controlled:
         append_element(top, "arg", name="hardware", default="mock")
-        for each in (each for each in yamls.driven(robot, options.group) if not each.has_system):
+        for each in (each for each in yamls.controlled_joints(robot, options.group) if each.hardware.joints):
             place = f"$(find {package})/config/{each.positions}.yaml"
             append_element(top, "arg", name=f"{each.positions}_file", default=place)
     append_element(top, "include", filename=f"$(find {name}_description)/urdf/{name}.urdf.xacro")
@@ -187,13 +188,18 @@ def _with_base(robot: Robot) -> Robot:
 
 
 def _with_meshes(robot: Robot, package: str, copies: dict[str, bytes]) -> Robot:
-    """A robot whose meshes are files of the package; takes the contents of these files."""
+    """A robot whose meshes are files of the package, those of an attachment in a folder that is called as it is.
 
-    def copied(folder: str, shape: S) -> list[S]:
+    Takes the contents of these files.
+    """
+    every = [each for whole in (robot, *(arm.kind for arm in robot.arms)) for each in whole.attachments]
+    folders = {each.prefix + link: files.plain_name(each.robot.name) for each in every for link in each.names}
+
+    def copied(folder: str, link: str, shape: S) -> list[S]:
         mesh = shape.geometry
         if not isinstance(mesh, Mesh) or mesh.file is None:
             return [shape]
-        path = f"meshes/{folder}/{copy_name(mesh.file)}"
+        path = f"meshes/{folders.get(link, folder)}/{copy_name(mesh.file)}"
         copies[path] = read_mesh(mesh.file)
         return [replace(shape, geometry=replace(mesh, filename=f"package://{package}/{path}"))]
 
@@ -213,8 +219,9 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
         table = kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
             found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
-    systems = [each for each in yamls.driven(robot, options.group) if options.controlled and each.has_system]
-    found += [say("part-drives-itself", name=each.attachment.name) for each in systems if each.attachment]
+    controlled = yamls.controlled_joints(robot, options.group) if options.controlled else ()
+    keeping = [each.attachment for each in controlled if len(each.hardware.joints) < len(each.robot.moving_joints)]
+    found += [say("part-drives-itself", name=each.name) for each in keeping if each]
     if not options.moveit:
         return found
     without = [joint.name for joint in robot.actuated_joints if joint.limits.acceleration is None]

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lxml import etree
 
+from dh2urdf.fields import replace_unchecked
+from dh2urdf.robot import leader_of
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
 from dh2urdf_plugins.formats.xacro.writer import without_attachments
 from dh2urdf_plugins.home_pose import initial_position
@@ -38,43 +40,50 @@ SPEED_UP = 0.5  # how long a joint takes to its full velocity where no accelerat
 _ACCELERATION = 1.0  # the acceleration of a joint without a velocity [rad/s² or m/s²]
 
 
-class Driven(NamedTuple):
-    """Joints with a controller and initial positions of their own: those of an arm or of an attachment."""
+class ControlledJoints(NamedTuple):
+    """The actuated joints of an arm or of an attachment, which one trajectory controller moves."""
 
-    label: str  # what the names of their controller, file and argument begin with
+    label: str  # what the names of the controller, and of the file and argument of initial positions, begin with
     prefix: str  # what the names of its links and joints begin with
     robot: Robot  # the arm or the attachment alone, without the prefix
     attachment: Attachment | None = None
 
     @property
     def joints(self) -> list[str]:
-        """The names of its actuated joints in the whole robot."""
+        """The names of the joints in the whole robot."""
         return [self.prefix + joint.name for joint in self.robot.actuated_joints]
 
     @property
     def controller(self) -> str:
-        """The name of its trajectory controller."""
+        """The name of the controller."""
         return f"{self.label}joint_trajectory_controller"
 
     @property
     def positions(self) -> str:
-        """What its file of initial positions is called; the argument that names another one has ``_file`` behind it."""
+        """What the file of initial positions is called; the argument that names another one has ``_file`` behind it."""
         return f"{self.label}initial_positions"
 
     @property
-    def has_system(self) -> bool:
-        """Whether the file of the attachment has the ros2_control of its joints: no two may drive one joint."""
-        elements = self.attachment.elements if self.attachment else ()
-        return any(etree.fromstring(text).tag == "ros2_control" for text in elements)
+    def hardware(self) -> Robot:
+        """The robot with those moving joints alone that are in the ros2_control that the packages write.
+
+        Those that the attachment's own file has in one are not: no two may have one joint, and a joint that follows is
+        where its leader is.
+        """
+        elements = map(etree.fromstring, self.attachment.elements if self.attachment else ())
+        own = {each.get("name") for system in elements if system.tag == "ros2_control" for each in system.iter("joint")}
+        moving, followers = self.robot.moving_joints, self.robot.followers
+        others = [each for each in moving if own.isdisjoint((each.name, leader_of(each.name, followers)))]
+        return replace_unchecked(self.robot, joints=tuple(others))
 
 
-def driven(robot: Robot, group: str) -> list[Driven]:
-    """The arms and attachments of a robot that move; `group` is what groups of arms are called."""
-    arms = [Driven(prefix, prefix, without_attachments(kind)) for prefix, kind in arms_of(robot)]
+def controlled_joints(robot: Robot, group: str) -> list[ControlledJoints]:
+    """The controllers of the arms and attachments of a robot that move; `group` is what groups of arms are called."""
+    arms = [ControlledJoints(prefix, prefix, without_attachments(kind)) for prefix, kind in arms_of(robot)]
     parts = moving_attachments(robot, group).items()
     return [
         *[each for each in arms if each.joints],
-        *[Driven(f"{name}_", each.prefix, each.robot, each) for name, each in parts],
+        *[ControlledJoints(f"{name}_", each.prefix, each.robot, each) for name, each in parts],
     ]
 
 
@@ -202,7 +211,7 @@ def initial_positions(robot: Robot) -> bytes:
     return _filled("initial_positions.yaml", {"initial_positions": positions})
 
 
-def controllers(every: Sequence[Driven]) -> bytes:
+def controllers(every: Sequence[ControlledJoints]) -> bytes:
     """``ros2_controllers.yaml``: a trajectory controller for each of these, and the broadcaster of joint states."""
     fixed, name = _fixed_values(), "joint_state_broadcaster"
     manager: dict[str, Any] = {"update_rate": UPDATE_RATE, name: fixed[name]}
@@ -242,7 +251,7 @@ def planning_limits(joints: Sequence[Joint], acceleration: float | None) -> byte
     return _filled("planning_limits.yaml", {**_fixed_values()["scaling"], "joint_limits": limits})
 
 
-def moveit_controllers(every: Sequence[Driven]) -> bytes:
+def moveit_controllers(every: Sequence[ControlledJoints]) -> bytes:
     """``moveit_controllers.yaml``: the trajectory controllers of ros2_control, as MoveIt calls them."""
     manager: dict[str, Any] = {"controller_names": [each.controller for each in every]}
     for each in every:

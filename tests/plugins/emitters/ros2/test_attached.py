@@ -132,6 +132,36 @@ def test_a_hand_with_a_system_of_its_own_keeps_it(tmp_path: Path) -> None:
     assert "part-drives-itself" not in {each.code for each in notices(arm(), Ros2Options())}
 
 
+@pytest.mark.parametrize(
+    ("joints", "systems"),
+    [
+        (
+            '<sensor name="force"><state_interface name="x"/></sensor><gpio name="valve"/>',
+            ["force", "left", "right", "b"],
+        ),
+        ('<joint name="left"/>', ["left", "b"]),
+        ('<joint name="b"/>', ["b", "left", "right"]),
+    ],
+)
+def test_joints_without_a_system_of_the_hand_get_one(joints: str, systems: list[str], tmp_path: Path) -> None:
+    """A block of sensors drives nothing, and one of some joints not the others; a follower goes with its leader."""
+    more = (
+        '<link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '</link><joint name="b" type="continuous"><parent link="base_link"/><child link="b"/></joint>'
+    )
+    hand = HAND.read_text().replace('<joint name="left"><param name="mimic">right</param></joint>', joints)
+    (tmp_path / "hand.urdf").write_text(hand.replace("</robot>", f"{more}</robot>"))
+    robot = arm(file=tmp_path / "hand.urdf", keep=None)
+    description, _ = written(robot, tmp_path, Ros2Options())
+    blocks = expanded(description / "urdf" / "cell.urdf.xacro").findall("ros2_control")
+    names = [each.get("name") for block in blocks for each in block if str(each.get("name")).startswith("hand_")]
+    assert sorted({*names} - {"hand_valve"}) == sorted(f"hand_{name}" for name in systems)
+    assert len(names) == len({*names})
+    own = yaml.safe_load(next((description / "config").glob("part_*/initial_positions.yaml")).read_text())
+    driven = {name for name in systems if f"hand_{name}" not in {each.get("name") for each in blocks[0]}}
+    assert own["initial_positions"].keys() == driven - {"right", "force"}
+
+
 def test_each_hand_has_a_controller_a_file_and_a_group(tmp_path: Path) -> None:
     """Followers are in none of them; the limits of MoveIt are those of all joints that move by themselves."""
     robot = two_arms()
@@ -158,23 +188,39 @@ def test_each_hand_has_a_controller_a_file_and_a_group(tmp_path: Path) -> None:
     assert kinds == {"ur5", "ur5_2"}  # the arm that bears another hand has other efforts
 
 
-def test_meshes_of_a_hand_are_files_of_the_package(tmp_path: Path) -> None:
-    """Named by package://, and no longer where the hand was."""
-    hand = tmp_path / "maker"
-    (hand / "meshes").mkdir(parents=True)
-    (hand / "meshes" / "tip.stl").write_text(TETRAHEDRON)
+def test_a_part_that_is_twice_in_a_cell_is_one_macro(tmp_path: Path) -> None:
+    """Called after the part; its meshes are once in the package, in a folder of its name, and named by package://."""
+    maker = tmp_path / "maker"
+    (maker / "meshes").mkdir(parents=True)
+    (maker / "meshes" / "tip.stl").write_text(TETRAHEDRON)
     shape = '<geometry><mesh filename="meshes/tip.stl"/></geometry>'
-    (hand / "hand.urdf").write_text(
+    (maker / "hand.urdf").write_text(
         f'<robot name="hand"><link name="palm"><visual>{shape}</visual><collision>{shape}</collision></link></robot>'
     )
-    description, _ = written(arm(file=hand / "hand.urdf"), tmp_path, Ros2Options())
+    part = AttachOptions(file=maker / "hand.urdf", name="gripper").attachment[0]
+    calls = [ArmCall(name=name, of="ur5", prefix=f"{name}_") for name in ("left", "right")]
+    for name in ("left", "right"):
+        tool = f"{name}_tool"
+        calls.append(ArmCall(name=tool, of="gripper", prefix=f"{tool}_", parent=name, link="tool0", part=part))
+    robot = compose(
+        Cell(call=CellCall(name="cell", arms=tuple(calls)), manipulators={}), {"ur5": arm(file=maker / "hand.urdf")}
+    )
+    description, _ = written(robot, tmp_path, Ros2Options())
+    macros = etree.parse(str(description / "urdf" / "cell_parts.xacro")).findall("{*}macro")
+    assert [each.get("name") for each in macros] == ["part_gripper", "part_hand"]
     root = expanded(description / "urdf" / "cell.urdf.xacro")
-    (link,) = [each for each in root.findall("link") if each.get("name") == "hand_palm"]
-    files = [each.get("filename") for each in link.iter("mesh")]
-    assert len({*files}) == 2
-    for file in files:
-        assert file.startswith("package://cell_description/meshes/")
-        assert (tmp_path / file.removeprefix("package://")).read_text() == TETRAHEDRON
+    found: dict[str, set[str]] = {}
+    for link in root.findall("link"):
+        if link.get("name").endswith("_palm"):
+            found[link.get("name")] = {each.get("filename") for each in link.iter("mesh")}
+    (copy,) = (tmp_path / "cell_description" / "meshes" / "gripper").iterdir()
+    assert copy.read_text() == TETRAHEDRON
+    files = {name: {f"package://cell_description/meshes/{name}/{copy.name}"} for name in ("gripper", "hand")}
+    sides = ("left", "right")
+    assert found == {
+        **{f"{side}_hand_palm": files["hand"] for side in sides},
+        **{f"{side}_tool_palm": files["gripper"] for side in sides},
+    }
 
 
 def test_a_name_that_no_controller_can_have(tmp_path: Path) -> None:

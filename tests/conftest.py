@@ -392,7 +392,7 @@ def cli(
 
 @pytest.fixture(scope="session")
 def tool0_of() -> Callable[[Path], Callable[[Sequence[float]], np.ndarray]]:
-    """T(base_link → tool0) of a written URDF as a function of the moving joints' values."""
+    """T(base_link → tool0) of a written URDF as a function of the values of joints that move by themselves."""
     return _tool0_of
 
 
@@ -404,15 +404,23 @@ def _tool0_of(path: Path) -> Callable[[Sequence[float]], np.ndarray]:
         chain.insert(0, joints[link])
         link = joints[link].find("parent").get("link")
 
+    moving = {joint.get("name"): joint for joint in chain if joint.get("type") != "fixed"}
+
     def pose(q: Sequence[float]) -> np.ndarray:
-        T, values = np.eye(4), iter(q)
+        free = [name for name, joint in moving.items() if joint.find("mimic") is None]
+        values, T = dict(zip(free, q, strict=True)), np.eye(4)
+
+        def value(name: str) -> float:
+            if (mimic := moving[name].find("mimic")) is None:
+                return float(values[name])
+            return float(mimic.get("multiplier")) * value(mimic.get("joint")) + float(mimic.get("offset"))
+
         for joint in chain:
             origin = joint.find("origin")
             T = T @ shift(*_numbers(origin, "xyz")) @ rpy(*_numbers(origin, "rpy"))
             if joint.get("type") != "fixed":
-                axis, value = _numbers(joint.find("axis"), "xyz"), next(values)
-                T = T @ (shift(*value * axis) if joint.get("type") == "prismatic" else turn(axis, value))
-        assert not list(values), "more values than moving joints"
+                axis, by = _numbers(joint.find("axis"), "xyz"), value(joint.get("name"))
+                T = T @ (shift(*by * axis) if joint.get("type") == "prismatic" else turn(axis, by))
         return T
 
     return pose
@@ -450,6 +458,7 @@ def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = (
         cells |= {"a": row.a * length, "alpha": row.alpha * angle, "d": row.d * length, "theta": row.theta * angle}
         if row.type is not JointType.FIXED:
             cells |= {"offset": row.offset * variable, "sign": row.sign}
+        cells |= {"follows": row.follows.text(repr(row.follows.offset * variable))} if row.follows else {}
         if row.limits.lower is not None and row.limits.upper is not None:
             cells |= {"lower": row.limits.lower * variable, "upper": row.limits.upper * variable}
         if row.mass is not None and row.com is not None and row.inertia is not None:

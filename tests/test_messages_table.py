@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 import dh2urdf
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import Follower, JointType
 from dh2urdf.robot_check import check_robot
 from dh2urdf.source import Messages, Problem
 
@@ -45,7 +45,8 @@ def changed(record: Any, changes: dict[str, Any]) -> Any:
         if isinstance(value, dict) and is_dataclass(old):
             new[name] = changed(old, value)
         else:
-            new[name] = JointType(value) if name == "type" else tuple(value) if isinstance(value, list) else value
+            made = {"type": JointType, "follows": lambda law: Follower(*law)}.get(name)
+            new[name] = made(value) if made else tuple(value) if isinstance(value, list) else value
     return replace(record, **new)
 
 

@@ -40,7 +40,7 @@ def test_the_file_of_a_table_file_is_its_arm_in_both_frames(
 ) -> None:
     """Whatever a table says, in whatever units: the URDF of either frames puts tool0 where the DH product has it."""
     draw = np.random.default_rng(seed)
-    vectors = [np.zeros(len(manipulator.moving_rows)), *draw.uniform(-7, 7, (4, len(manipulator.moving_rows)))]
+    vectors = [np.zeros(len(manipulator.actuated_rows)), *draw.uniform(-7, 7, (4, len(manipulator.actuated_rows)))]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / f"arm.{form}").write_text(as_table(manipulator, form, units=units), "utf-8")

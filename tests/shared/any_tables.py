@@ -1,10 +1,11 @@
 """Strategies for tables of any kind, which property tests share."""
 
 import math
+from dataclasses import replace
 
 from hypothesis import strategies as st
 
-from dh2urdf.manipulator import Convention, DHRow, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, Follower, JointType, Limits, Manipulator
 from dh2urdf.rotations import IDENTITY, RigidTransform
 
 LENGTHS = st.sampled_from([0.0, 0.0, 0.3, -0.425]) | st.floats(-2, 2)
@@ -46,16 +47,30 @@ def dh_rows(
 
 
 @st.composite
+def with_followers(draw: st.DrawFn, rows: list[DHRow]) -> tuple[DHRow, ...]:
+    """The rows, some of which follow others of their kind, before or behind them: chains of followers among them."""
+    able = dict[bool, list[str]]()  # joints that others may follow, by whether they slide
+    found = {row.joint: row for row in rows}
+    for row in draw(st.permutations([row for row in rows if row.type is not JointType.FIXED])):
+        leaders = able.setdefault(row.type is JointType.PRISMATIC, [])
+        if leaders and draw(st.integers(0, 2)) == 0:
+            leader, multiplier = draw(st.sampled_from(leaders)), draw(st.sampled_from([-1.0, 0.5, 1.0, -1.25]))
+            law = Follower(leader, multiplier, draw(st.sampled_from([0.0, 0.25, -1.5])))
+            found[row.joint] = replace(row, follows=law)
+        leaders.append(row.joint)
+    return tuple(found.values())
+
+
+@st.composite
 def manipulators(
     draw: st.DrawFn, most: int = 12, lengths: st.SearchStrategy[float] = LENGTHS, *, limits: bool = False
 ) -> Manipulator:
-    """Tables of 1 to `most` rows in both conventions: fixed rows anywhere, any signs, base and tool."""
+    """Tables of 1 to `most` rows in both conventions: fixed rows anywhere, any signs, followers, base and tool."""
+    rows = [draw(dh_rows(number, lengths, limits=limits)) for number in range(1, draw(st.integers(1, most)) + 1)]
     return Manipulator(
         name="any",
         convention=draw(st.sampled_from(Convention)),
-        rows=tuple(
-            draw(dh_rows(number, lengths, limits=limits)) for number in range(1, draw(st.integers(1, most)) + 1)
-        ),
+        rows=draw(with_followers(rows)),
         base=draw(transforms(lengths)),
         tool=draw(transforms(lengths)),
     )

@@ -209,8 +209,13 @@ def _in_order(robot: Robot) -> Robot:
 
 
 def _as_readers_have_it(joint: Joint) -> Joint:
-    """A joint whose axis has the length 1, which all readers make it; one that turns without end has no ends."""
+    """A joint whose axis has the length 1, which all readers make it; one that turns without end has no ends.
+
+    A fixed joint that is said to follow another one stays where it is: Drake alone refuses it.
+    """
     length = norm(joint.axis)
+    if joint.type is JointType.FIXED and joint.follows:
+        joint = replace(joint, follows=None)
     if joint.type is not JointType.FIXED and not abs(length - 1.0) <= 1e-9:  # noqa: PLR2004 - as a robot's check has it
         joint = replace(joint, axis=scale(1.0 / length, joint.axis))
     if joint.type is JointType.CONTINUOUS:

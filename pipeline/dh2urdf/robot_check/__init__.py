@@ -52,9 +52,11 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     for joint in robot.joints:
         joint_to.setdefault(joint.child, joint)
     problems = [*_name_problems(robot, joint_to), *_tree_problems(robot, joint_to)]
-    foreign = robot.foreign_names
+    foreign, followers = robot.foreign_names, robot.followers
     for joint in robot.joints:
         problems += _joint_problems(joint, is_foreign=joint.name in foreign)
+        if joint.follows and joint.name not in followers:
+            problems.append(_problem(joint, "joint-follows-nothing", "follows", found=joint.follows.leader))
     for link in robot.links:
         problems += _body_problems(link, joint_to.get(link.name), is_foreign=link.name in foreign)
         problems += _shape_problems(link, joint_to.get(link.name))

@@ -15,9 +15,9 @@ from numpy.typing import NDArray  # noqa: TID253
 from dh2urdf.manipulator import Convention, JointType
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
-    from dh2urdf.manipulator import Manipulator
+    from dh2urdf.manipulator import Follower, Manipulator
     from dh2urdf.robot import Joint, Robot
 
 Matrix: TypeAlias = NDArray[np.float64]
@@ -26,14 +26,7 @@ Matrix: TypeAlias = NDArray[np.float64]
 
 def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
     """T(base_link → tool0) of a table at one value per joint that moves by itself [rad or m]."""
-    given, known = iter(q), dict[str, float]()
-    for row in manipulator.rows:
-        if row.type is not JointType.FIXED and row.follows is None:
-            known[row.joint] = next(given)
-    while len(known) < len(manipulator.moving_rows):  # a follower may follow one that comes later
-        for row in manipulator.rows:
-            if (law := row.follows) and law.leader in known:
-                known[row.joint] = law.multiplier * known[law.leader] + law.offset
+    known = _values({row.joint: row.follows for row in manipulator.rows if row.type is not JointType.FIXED}, q)
     factors = [_frame(np.reshape(manipulator.base.rotation, (3, 3)), manipulator.base.translation)]
     for row in manipulator.rows:
         value = 0.0 if row.type is JointType.FIXED else row.offset + row.sign * known[row.joint]
@@ -46,21 +39,34 @@ def table_pose(manipulator: Manipulator, q: Sequence[float]) -> Matrix:
 
 
 def robot_pose(robot: Robot, q: Sequence[float], root: str, tip: str) -> Matrix:
-    """T(root → tip) of a robot at one value per moving joint on the way [rad or m]."""
+    """T(root → tip) of a robot at one value per joint on the way that moves by itself [rad or m]."""
     way: list[Joint] = []
     while tip != root:
         (joint,) = [joint for joint in robot.joints if joint.child == tip]
         way.insert(0, joint)
         tip = joint.parent
-    values, product = iter(q), np.eye(4)
+    known = _values({joint.name: joint.follows for joint in way if joint.type is not JointType.FIXED}, q)
+    product = np.eye(4)
     for joint in way:
         roll, pitch, yaw = joint.origin.rpy
         origin = _shift(*joint.origin.xyz) @ _turn((0, 0, 1), yaw) @ _turn((0, 1, 0), pitch) @ _turn((1, 0, 0), roll)
-        value = 0.0 if joint.type is JointType.FIXED else next(values)
+        value = known.get(joint.name, 0.0)
         slides = joint.type is JointType.PRISMATIC
         motion = _shift(*(value * u for u in joint.axis)) if slides else _turn(joint.axis, value)
         product = product @ origin @ motion
     return product
+
+
+def _values(laws: Mapping[str, Follower | None], q: Iterable[float]) -> dict[str, float]:
+    """The values of joints, given those without a law in order; a follower may follow one that comes later."""
+    numbers = iter(q)
+    given = {name: next(numbers) for name, law in laws.items() if law is None}
+
+    def value(name: str) -> float:
+        law = laws[name]
+        return given[name] if law is None else law.multiplier * value(law.leader) + law.offset
+
+    return {name: value(name) for name in laws}
 
 
 def gap(left: Matrix, right: Matrix) -> tuple[float, float]:

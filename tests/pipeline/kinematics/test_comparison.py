@@ -105,7 +105,7 @@ def test_another_arm_is_not_corrected_away(manipulator: Manipulator, seed: int, 
     if found.remaining is not None and found.remaining.is_none and found.corrected is not None:
         draw = random.Random(seed)  # noqa: S311 - reproducible on purpose
         for _ in range(3):
-            q = [draw.uniform(-2, 2) for _ in moving]
+            q = [draw.uniform(-2, 2) for _ in longer.actuated_rows]
             one, other = forward_kinematics(longer, q), forward_kinematics(found.corrected, q)
             assert math.dist(one.translation, other.translation) <= 10 * TOLERANCE
     elif not found.holds:

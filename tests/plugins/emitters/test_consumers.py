@@ -43,7 +43,7 @@ def write(emitter: Emitter[Any], robot: Robot, folder: Path) -> Path:
 
 def joint_vectors(manipulator: Manipulator, count: int = 3) -> list[list[float]]:
     draw = np.random.default_rng(7)
-    return [list(draw.uniform(-3, 3, len(manipulator.moving_rows))) for _ in range(count)]
+    return [list(draw.uniform(-3, 3, len(manipulator.actuated_rows))) for _ in range(count)]
 
 
 def assert_same_description(xacro: bytes, urdf: bytes) -> None:

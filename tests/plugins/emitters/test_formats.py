@@ -12,10 +12,11 @@ import pytest
 from any_tables import SEEN_LENGTHS, manipulators
 from hypothesis import given, settings
 
+import dh2urdf
 from dh2urdf.errors import EmitterError
 from dh2urdf.kinematics import KinematicChain
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.manipulator import Manipulator
 from dh2urdf.robot import Inertial, Link, Mesh, Robot
 from dh2urdf.stages import Emitter, ReadsBack
 from dh2urdf_plugins.base_bodies import BASE
@@ -47,8 +48,7 @@ def read(emitter: Emitter[Any], path: Path) -> Robot:
 
 def pose_of(robot: Robot, link: str, values: dict[str, float], root: str) -> np.ndarray:
     chain = KinematicChain.between(robot, root, link)
-    moving = [joint.name for joint in chain.joints if joint.type is not JointType.FIXED]
-    return as_matrices(chain.forward_kinematics([values[name] for name in moving]))
+    return as_matrices(chain.forward_kinematics([values[name] for name in chain.actuated]))
 
 
 def assert_same_arm(found: Robot, robot: Robot) -> None:
@@ -127,10 +127,14 @@ def test_an_arm_with_one_of_everything_reads_back(arm: Robot, emitter: Emitter[A
 @given(manipulator=manipulators(most=9, lengths=SEEN_LENGTHS))
 @settings(max_examples=25)
 def test_any_table_reads_back(emitter: Emitter[Any], frames: str, manipulator: Manipulator) -> None:
-    """Any joint types, fixed rows in the middle and at the end, any angles, base and tool."""
+    """Any joint types, fixed rows in the middle and at the end, any angles and followers, base and tool; also a table."""
     robot = TRANSFORM.transform(manipulator, TRANSFORM.options(frames=frames))
     with tempfile.TemporaryDirectory() as folder:
-        assert_same_arm(read(emitter, written(emitter, robot, Path(folder))), robot)
+        path = written(emitter, robot, Path(folder))
+        assert_same_arm(read(emitter, path), robot)
+        if q := dict(zip([row.joint for row in manipulator.actuated_rows], SOME, strict=False)):
+            table = dh2urdf.extract(path, base_link=robot.root, tip_link="tool0")
+            assert np.abs(table.fk(q) - manipulator.fk(q)).max() < 1e-9
 
 
 def renamed(robot: Robot, names: dict[str, str]) -> Robot:

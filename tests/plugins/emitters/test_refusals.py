@@ -8,7 +8,7 @@ import pytest
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.plugin_system import load
-from dh2urdf.robot import Link, Material, Parameter, Robot, Sphere, Visual
+from dh2urdf.robot import Follower, Link, Material, Parameter, Robot, Sphere, Visual
 
 Change = Callable[[Robot], Robot]
 
@@ -53,6 +53,11 @@ CASES: dict[str, tuple[str, str, dict[str, Any], Change, str]] = {
     **{
         f"SDF: {name}": ("sdf", "arm", {}, partial(joint, "turn", name=name), "sdf-name-wrong")
         for name in ("__arm__", "a::b")
+    },
+    **{
+        f"{form}: {what}": (form, "arm", {}, partial(joint, "turn", follows=law), "law-not-mimic")
+        for form in ("urdf", "xacro", "sdf")
+        for what, law in (("a square", Follower("swing", 1.0, 0.0, (0.5,))), ("what is held", Follower("", 0.0, 0.4)))
     },
     "MJCF: equal limits": ("mjcf", "arm", {}, partial(joint, "turn", limits=NO_WAY), "mujoco-limits-of-no-way"),
     **{

@@ -80,7 +80,7 @@ def parameter_values(robot: Robot) -> dict[str, float]:
 
 def joint_vector(manipulator: Manipulator, seed: int) -> list[float]:
     rng = np.random.default_rng(seed)
-    return [float(value) for value in rng.uniform(-3, 3, len(manipulator.moving_rows))]
+    return [float(value) for value in rng.uniform(-3, 3, len(manipulator.actuated_rows))]
 
 
 @given(manipulators(), st.integers(0, 99), st.sampled_from(SHAPES))

@@ -17,10 +17,10 @@ from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Visual
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.base_bodies import with_base_bodies
-from dh2urdf_plugins.formats.urdf.writer import Notation, primitive, refused, serialise
+from dh2urdf_plugins.formats.urdf.writer import Notation, mimic, primitive, refused, serialise
 
 if TYPE_CHECKING:
-    from dh2urdf.robot import Follower, Joint, Link, Origin, Robot
+    from dh2urdf.robot import Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.sdf import SdfOptions
 
 VERSION = "1.7"
@@ -64,7 +64,8 @@ class _Model:
         self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
 
     def tree(self) -> etree._Element:
-        sdf = etree.Element("sdf", {"version": VERSION}, nsmap={"drake": DRAKE} if self._robot.followers else None)
+        follow = any(joint.follows for joint in self._robot.joints)
+        sdf = etree.Element("sdf", {"version": VERSION}, nsmap={"drake": DRAKE} if follow else None)
         model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
         bodies: dict[str, etree._Element] = {}
         for link in self._robot.links:
@@ -120,18 +121,12 @@ class _Model:
             element = etree.SubElement(axis, tag) if said or tag == "limit" else axis
             for name, value in said:
                 self._append_numbers(element, name, value)
-        if (follower := joint.follows) is not None:
-            self._append_mimic(axis, follower)
-
-    def _append_mimic(self, axis: etree._Element, follower: Follower) -> None:
-        """Appends what a joint follows, in the words of SDF 1.11 and in those of Drake."""
-        mimic = etree.SubElement(axis, "mimic", {"joint": follower.leader})
-        numbers = {"multiplier": follower.multiplier, "offset": follower.offset}
-        for name, number in {**numbers, "reference": 0.0}.items():
-            self._append_numbers(mimic, name, number)
-        words = {name: self._notation.numbers((number,)) for name, number in numbers.items()}
-        joint = axis.getparent()
-        etree.SubElement(joint, f"{{{DRAKE}}}mimic", {"joint": follower.leader, **words})  # type: ignore[arg-type]
+        if law := mimic(joint, self._notation):  # in the words of SDF 1.11 and in those of Drake
+            of_sdf = etree.SubElement(axis, "mimic", {"joint": law["joint"]})
+            for name in ("multiplier", "offset"):
+                etree.SubElement(of_sdf, name).text = law[name]
+            self._append_numbers(of_sdf, "reference", 0.0)
+            etree.SubElement(axis.getparent(), f"{{{DRAKE}}}mimic", law)  # type: ignore[arg-type]  # it has one
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
         """Appends the shapes of a link to the body that carries it."""

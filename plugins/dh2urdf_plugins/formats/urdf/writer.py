@@ -119,6 +119,20 @@ class Notation:
         return {"com": com, "mass": mass, **dict(zip(INERTIA, texts.split(" "), strict=True))}
 
 
+def mimic(joint: Joint, notation: Notation) -> dict[str, str]:
+    """The leader, the multiplier and the offset of a joint that follows another one, as URDF and Drake name them.
+
+    Raises:
+        EmitterError: the joint follows otherwise: by powers of its leader's value, or none.
+    """
+    if (law := joint.follows) is None:
+        return {}
+    if law.higher or not law.leader:
+        raise EmitterError(say("law-not-mimic", joint.mark, joint=joint.name, field="follows", found=law.leader))
+    numbers = {name: notation.numbers((getattr(law, name),)) for name in ("multiplier", "offset")}
+    return {"joint": notation.name(law.leader), **numbers}
+
+
 def urdf_tree(
     robot: Robot, name: str, notation: Notation, *, mujoco: bool = True, shared_materials: bool = True
 ) -> etree._Element:
@@ -267,9 +281,8 @@ def _append_joint(parent: etree._Element, joint: Joint, notation: Notation, *, i
     }
     if dynamics:
         etree.SubElement(element, "dynamics", dynamics)
-    if (follower := joint.follows) is not None:
-        numbers = {name: notation.numbers((getattr(follower, name),)) for name in ("multiplier", "offset")}
-        etree.SubElement(element, "mimic", {"joint": notation.name(follower.leader), **numbers})
+    if law := mimic(joint, notation):
+        etree.SubElement(element, "mimic", law)
 
 
 def _append_link(parent: etree._Element, link: Link, notation: Notation, *, shared_materials: bool) -> None:

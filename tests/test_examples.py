@@ -106,7 +106,7 @@ def test_its_own_tests_pass(lab: Lab, name: str) -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_it_is_typed(lab: Lab, name: str) -> None:
-    """mypy --strict accepts the stage and its tests; ruff is asked by whoever lints the whole repository."""
+    """mypy --strict accepts the stage and its tests; ruff checks it with the whole repository."""
     options = ("--strict", "--config-file=", "--cache-dir", lab.folder / ".mypy")  # of all examples
     lab.types("python", "-m", "mypy", *options, "src", "tests", where=name)
 

@@ -1,4 +1,4 @@
-"""Whatever a plugin raises, wherever it does, is told as its own fault: plugin, distribution and version.
+"""Whatever a plugin raises, wherever it does, is reported as its own fault: plugin, distribution and version.
 
 What happens at import, at registration and in hooks is in tests/pipeline/plugin_system.
 """
@@ -311,7 +311,7 @@ def test_debug_shows_where_of_listed_plugins(
 def test_a_fault_of_the_host_is_no_executor_s(
     cli: Cli, lab: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What dh2urdf itself raises inside an executor, which calls it, is told as an internal error."""
+    """What dh2urdf itself raises inside an executor, which calls it, is reported as an internal error."""
     lab("reader.schema.fail")
 
     def fail(*_arguments: Any) -> None:

@@ -188,7 +188,7 @@ def test_the_simulators_find_the_same_links_in_each_other(matrix: Matrix) -> Non
 # --- The table of the page --------------------------------------------------------------------------------------------
 
 FINEST = -14
-"""Power of ten below which an error is not told apart: it is the rounding of the machine's own arithmetic."""
+"""Power of ten below which errors are not distinguished: it is the rounding of the machine's own arithmetic."""
 
 
 def lines(matrix: Matrix, robots: Iterable[ReferenceRobot]) -> Iterator[str]:

@@ -147,7 +147,7 @@ class TestConvert:
 
 class TestRun:
     def test_it_is_what_the_command_does(self, cli: Cli) -> None:
-        """The same report, the same files; a failed manipulator is told, and is no exception."""
+        """The same report, the same files; a failed manipulator is reported, and is no exception."""
         report = dh2urdf.run("run.yaml")
         assert report == json.loads(Path("out/report.json").read_bytes())
         assert report["exit_status"] == 1

@@ -1,4 +1,4 @@
-"""Links whose meshes, centres of mass and inertias stay when lengths change: told with the gap, once."""
+"""Links whose meshes, centres of mass and inertias stay when lengths change: one notice with the gap."""
 
 import json
 import math

@@ -58,7 +58,7 @@ def test_of_a_file(table: Path) -> None:
 
 
 def test_of_a_conversion(table: Path) -> None:
-    """Of a file all notices; of a manipulator those of the robot only: the others were told with it."""
+    """Of a file all notices; of a manipulator those of the robot only: the others were reported with it."""
     made, found = told(lambda: dh2urdf.convert(table))
     assert texts(found) == list(dict.fromkeys(map(str, made.notices)))
     assert {str(notice) for notice in made.manipulator.notices} <= set(texts(found))

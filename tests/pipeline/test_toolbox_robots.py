@@ -127,6 +127,6 @@ def test_inertias_as_they_were_published() -> None:
     assert kept.notices == ()
     with pytest.warns(dh2urdf.TableWarning):
         assert dh2urdf.from_roboticstoolbox(robot, inertias="recompute").rows[0].inertia is None
-    wrong: Any = "mend"
+    wrong: Any = "fix"
     with pytest.raises(TableError):
         dh2urdf.from_roboticstoolbox(robot, inertias=wrong)

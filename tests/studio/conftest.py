@@ -425,7 +425,7 @@ class Tab:
 
 @pytest.fixture(scope="session")
 def profile(chromium: Browser, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
-    """The profile of the browser that all tabs share: what they show is told apart by the tab alone."""
+    """The profile of the browser that all tabs share: what they show differs by the tab alone."""
     context = chromium.new_context(accept_downloads=True)
     if request.config.getoption("--renew"):  # pictures are those of a browser with a graphics card
         context.add_init_script(SMOOTH)

@@ -176,7 +176,7 @@ ALONE = [key(table) for table in ALL]
 
 @given(st.lists(st.integers(0, len(OTHERS)), max_size=12))
 def test_the_company_does_not_count(places: list[int]) -> None:
-    """A manipulator has the key that it has alone, whoever travels in its batch, and at whatever place."""
+    """A manipulator has the key that it has alone, in every batch and at every place."""
     assert keys([ALL[place] for place in places]) == [ALONE[place] for place in places]
 
 

@@ -18,7 +18,7 @@ from dh2urdf.errors import StageError, TableError, TimeLimitError
     ids=["table", "time limit", "stage"],
 )
 def test_the_kind_of_a_failure_is_its_class_in_words(error: Exception, kind: str) -> None:
-    """So that whoever counts failures reads words, and whoever adds a class need not add a word."""
+    """Failures are counted by words, and a new class needs no new word."""
     assert kind_of(error) == kind
 
 

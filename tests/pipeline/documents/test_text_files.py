@@ -37,7 +37,7 @@ def test_what_is_no_file_is_refused(tmp_path: Path, name: str, says: str) -> Non
 
 
 def test_the_reason_of_the_system_is_passed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A file without permission is told in one line; root, who may read all, runs this test too."""
+    """A file without permission is reported in one line; root, who may read all, runs this test too."""
     path = tmp_path / "a.csv"
     path.touch(mode=0)
 
@@ -49,7 +49,7 @@ def test_the_reason_of_the_system_is_passed_on(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_file_beyond_the_limit_is_refused(tmp_path: Path) -> None:
-    """A file larger than what is read at once is told its bound."""
+    """The message about a file that is too large names the bound."""
     path = tmp_path / "big"
     path.write_bytes(b"x" * 11)
     with pytest.raises(TableError, match="too much to be read at once"):

@@ -92,7 +92,7 @@ def test_any_table_of_the_same_arm_is_corrected(manipulator: Manipulator, seed: 
 
 @given(TABLES, st.integers(0, 1000), st.data())
 def test_another_arm_is_not_corrected_away(manipulator: Manipulator, seed: int, data: st.DataObject) -> None:
-    """A link that is 0.1 m longer is told from all that base, tool, signs and offsets can do, or is of no matter."""
+    """A link that is 0.1 m longer is distinguished from all that base, tool, signs and offsets can do, or is of no matter."""
     moving = [index for index, row in enumerate(manipulator.rows) if row.type is not JointType.FIXED]
     if not moving:
         return

@@ -40,7 +40,7 @@ def module_store(tmp_path_factory: pytest.TempPathFactory) -> Store:
 
 class TestReaders:
     def test_tarfile_reads_it(self, store: Store) -> None:
-        """Python's own reader finds the files in their order, at the offsets that were told, without time or owner."""
+        """Python's own reader finds the files in their order, at the offsets that were returned, without time or owner."""
         offsets = written(store, SAMPLE)
         content = store.read("000001.tar")
         with tarfile.open(fileobj=io.BytesIO(content), mode="r:") as shard:

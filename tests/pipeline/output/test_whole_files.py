@@ -68,7 +68,7 @@ class TestStems:
         ("first", "second"), [("arm", "arm"), ("Arm", "aRM"), ("a b", "a/b"), ("straße", "STRASSE"), ("", "robot")]
     )
     def test_names_that_clash_get_stems_of_their_own(self, first: str, second: str) -> None:
-        """Equal stems, also on file systems that ignore case, are told apart, and a notice says by what."""
+        """Equal stems, also on file systems that ignore case, get different names, and a notice says which."""
         stems = Stems()
         stem, nothing = stems.claim(first)
         other, notice = stems.claim(second)

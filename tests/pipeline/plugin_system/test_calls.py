@@ -29,7 +29,7 @@ def fail(error: BaseException) -> None:
 
 class TestBlaming:
     def test_a_refusal_is_no_fault(self) -> None:
-        """An error of dh2urdf goes on as it is, whoever asked."""
+        """An error of dh2urdf goes on as it is, from every stage."""
         refusal = EmitterError("this arm cannot be written")
         with pytest.raises(EmitterError) as caught, blaming(CALL):
             fail(refusal)

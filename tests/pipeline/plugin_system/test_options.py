@@ -147,7 +147,7 @@ def test_what_is_wrong_is_told_at_its_place(kind: type[Any], text: str, problem:
 
 @pytest.mark.parametrize("more", ["", ", gravity: 1"])
 def test_a_crash_of_the_type_blames_the_plugin(more: str) -> None:
-    """Any other exception is the plugin's fault, and told as such, with its traceback kept."""
+    """Any other exception is the plugin's fault, and reported as one, with its traceback kept."""
     with pytest.raises(BrokenPluginError, match="Options of the loader 'x' does not work: KeyError: 'oops'") as caught:
         of("{prefix: crash" + more + "}")
     assert "__post_init__" in caught.value.traceback

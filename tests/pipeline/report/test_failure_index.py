@@ -57,7 +57,7 @@ class TestIndex:
             assert reason["example"] == of_kind[0]["errors"][0]["message"]
 
     def test_the_index_stays_small(self) -> None:
-        """Of many names the first ones are listed, of many reasons the first ones are told apart; all are counted."""
+        """Of many names the first ones are listed, of many reasons the first ones are distinguished; all are counted."""
         index = FailureIndex()
         words = [f"{chr(97 + k // 26)}{chr(97 + k % 26)}" for k in range(MAX_REASONS + 50)]
         for number in range(10 * len(words)):

@@ -54,7 +54,7 @@ def timing(folder: Path, found: Result) -> dict[str, Any]:
 
 
 def test_durations_are_added_up(tmp_path: Path) -> None:
-    """Those of the steps over all batches; those of single manipulators as far as they are told; a rate of all."""
+    """Those of the steps over all batches; those of single manipulators as far as they are known; a rate of all."""
     timings = ({"name": "a", "transform": 0.4}, {"name": "b", "transform": 0.6})
     found = result(
         replace(batch(ok=2), seconds={"transform": 1.0, "write": 0.5}, timings=timings),

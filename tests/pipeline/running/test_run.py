@@ -233,7 +233,7 @@ class TestExecute:
         assert [set(entry) for entry in timing["manipulators"]] == [{"name", "transform", "emit"}] * 3
 
     def test_a_reader_that_breaks_ends_its_own_input(self, lab: Lab) -> None:
-        """Manipulators before the crash and other inputs are written; the crash is told with file, stage, traceback."""
+        """Manipulators before the crash and other inputs are written; the crash is reported with file, stage, traceback."""
         noted: list[BatchReport] = []
         plan = lab.plan("inputs: [a.list, b.list]", a="arm\ncrash\nleg", b="hand")
         first, crash, last = rows(plan, note=lambda report, _: noted.append(report))
@@ -297,7 +297,7 @@ class TestLoaders:
         assert result.exit_status == 1
 
     def test_an_optional_one_fails_nothing(self, lab: Lab) -> None:
-        """What it refuses is a notice, told once for all manipulators, and so is that it is not installed."""
+        """What it refuses is one notice for all manipulators, and so is that it is not installed."""
         config = "inputs: names.list\nloaders: [{stage: paper, optional: true}, ink, {stage: absent, optional: true}]"
         result, report = execute(lab.plan(config, names="heavy\nheavy2\narm"))
         assert result.exit_status == 0

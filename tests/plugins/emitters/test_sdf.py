@@ -68,7 +68,7 @@ def test_drake_has_published_arms(reference_robot: Any, tmp_path: Path) -> None:
 
 
 def test_it_stands_in_the_world_unless_told_otherwise(reference_robots: Any, tmp_path: Path) -> None:
-    """A joint holds the base on the world; without it the same file is an arm for whoever holds it."""
+    """A joint holds the base on the world; without it the same file is an arm that something else can hold."""
     robot = robot_of(reference_robots[0].manipulator)
     held, free = text_of(robot), text_of(robot, fixed=False)
     joint = etree.fromstring(held.encode()).find("model/joint")

@@ -283,7 +283,7 @@ class TestAClusterOfItsOwn:
     def test_ends_with_the_run(
         self, tmp_path: Path, end: signal.Signals, soon: Callable[..., bool], is_running: Callable[[int], bool]
     ) -> None:
-        """Ctrl-C in a terminal is told once, by the run; however it ends, its workers leave in the middle of a task."""
+        """Ctrl-C in a terminal is reported once, by the run; however it ends, its workers leave in the middle of a task."""
         script = (
             "import signal, sys\n"
             "from pathlib import Path\n"

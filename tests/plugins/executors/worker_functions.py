@@ -159,7 +159,7 @@ class Unusable:
 
 
 class Deadly:
-    """A function that ends whoever reads it."""
+    """A function that ends the process that reads it."""
 
     def __call__(self, task: Any) -> Any:
         return task

@@ -42,7 +42,7 @@ def test_every_simulator_has_it(simulator: str, tmp_path: Path, require_loaders:
 
 
 def test_pybullet_takes_frames_of_frames_for_bodies(tmp_path: Path, require_loaders: Callable[..., None]) -> None:
-    """It is told, with what helps; the profile for PyBullet writes them so that it does not."""
+    """A finding says so, with what helps; the profile for PyBullet writes them so that it does not."""
     require_loaders("pybullet")
     frames = "".join(
         f'<link name="{name}"/><joint name="to_{name}" type="fixed"><parent link="{parent}"/><child link="{name}"/></joint>'

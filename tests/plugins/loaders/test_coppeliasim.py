@@ -194,7 +194,7 @@ def test_workers_take_turns(peer: Any, request_for: Any) -> None:
 def test_text_begins_with_a_declaration(
     peers: Any, request_for: Any, planar: Any, planar_urdf: str, beginning: str
 ) -> None:
-    """A file without a declaration, or with something before it, is told from a path all the same."""
+    """A file without a declaration, or with something before it, is distinguished from a path all the same."""
     text = beginning + planar_urdf.partition("?>")[2].lstrip()
     if beginning == "\ufeff":
         text = beginning + planar_urdf

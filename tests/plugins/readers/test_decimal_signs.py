@@ -79,7 +79,7 @@ def test_a_number_of_a_workbook_has_no_sign(number: float, arms: int, tmp_path: 
 
 
 def test_a_variable_with_a_decimal_comma_is_a_variable(read: Read) -> None:
-    """Rows are told from fixed ones by their variables, with a comma in the number that is added as with a point."""
+    """Rows are distinguished from fixed ones by their variables, with a comma in the number that is added as with a point."""
     (arm,) = read("a;alpha;d;theta\n100;0;0;q1 + 1,57\n100;0;0;q2\n", convention="standard")
     assert isinstance(arm, Manipulator)
     assert [row.offset for row in arm.rows] == [1.57, 0]

@@ -1,4 +1,4 @@
-"""Tables as texts: written in a format and told again by it, letter for letter."""
+"""Tables as texts: written in a format and read again, letter for letter."""
 
 import tempfile
 from pathlib import Path
@@ -35,7 +35,7 @@ def read(path: Path, reader: Reader[Any]) -> Manipulator:
 @pytest.mark.parametrize("table", sorted(TABLES.iterdir()), ids=lambda path: path.name)
 @pytest.mark.parametrize("form", READERS)
 def test_the_texts_of_a_file_come_back(table: Path, form: str, tmp_path: Path) -> None:
-    """What is in the cells of the project's own tables is told as it stands, and written in either format."""
+    """What is in the cells of the project's own tables is reported as it stands, and written in either format."""
     own = next(reader for reader in READERS.values() if table.suffix in reader.suffixes)
     (texts,) = own.can(WritesTables).texts(table)
     path = written(texts, READERS[form], tmp_path)
@@ -93,7 +93,7 @@ def test_several_manipulators_are_as_many_tables_of_texts(tmp_path: Path) -> Non
 
 
 def test_headers_with_units_are_the_units_of_the_table(tmp_path: Path) -> None:
-    """`a [mm]` and `alpha [deg]` are told as the units of all lengths and angles."""
+    """`a [mm]` and `alpha [deg]` are reported as the units of all lengths and angles."""
     path = tmp_path / "mm.csv"
     path.write_text("# convention: DH\na [mm],alpha [deg],d [mm]\n300,90,0\n")
     writes = stages.CSV.can(WritesTables)

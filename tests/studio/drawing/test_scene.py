@@ -127,7 +127,7 @@ def test_a_mass_is_the_ellipsoid_of_its_inertia() -> None:
 
 
 def test_an_axis_is_never_in_the_colour_of_its_links(reference_robots: list[ReferenceRobot], catalog: Catalog) -> None:
-    """Axes of joints are told apart from the links that they join, whatever colour these have."""
+    """Axes of joints stand out from the links that they join, whatever colour these have."""
     one = figure(reference_robots[0].manipulator, catalog)
     odd = [(0.9, 0.15, 0.55), (0.05, 0.7, 0.6), (0.93, 0.5, 0.13), (0.16, 0.42, 0.68), PAPER]
     for tint in (None, *odd):

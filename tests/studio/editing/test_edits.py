@@ -98,7 +98,7 @@ def test_a_cell_is_one_line_of_what_a_file_can_hold() -> None:
 
 @pytest.mark.parametrize(("row", "field"), [(3, "a"), (-1, "a"), (0, "beta")])
 def test_there_are_no_other_cells(row: int, field: str) -> None:
-    """A page that speaks of a cell which there is not is told so, and changes nothing."""
+    """A page that names a cell which does not exist gets an error, and changes nothing."""
     with pytest.raises(LookupError):
         edits.with_cells(THREE, {(row, field): "1"})
 

@@ -95,7 +95,7 @@ def test_a_joint_that_is_renamed_stays_where_it_is(session: Session) -> None:
 
 
 def test_the_paper_stands_beside_the_arm(session: Session) -> None:
-    """Side by side, both robots have poses of their own, and the distance of their tool0 is told."""
+    """Side by side, both robots have poses of their own, and the distance of their tool0 is shown."""
     assert session.arm is not None
     assert session.arm.other is None, "no edit waits for what is not shown"
     session.show_variant("both")

@@ -14,7 +14,7 @@ THERE = "name => Boolean(document.querySelector('.arm-view').scene.getObjectByNa
 
 
 def test_a_hand_is_attached(tab: Any) -> None:
-    """It is in the scene, has a slider for the joint that leads, and moves; what is wrong is told beside the edit."""
+    """It is in the scene, has a slider for the joint that leads, and moves; what is wrong is shown beside the edit."""
     page = tab.open("ur5")
     page.get_by_role("button", name="edits: ").click()
     for name, has in (("payload", "inertia"), ("attach", "parent")):

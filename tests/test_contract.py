@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from two_fingers import HAND
 
 from dh2urdf.manipulator import Convention
 from dh2urdf.plugin_system import KINDS, load
@@ -215,7 +216,6 @@ TestAlphaSwapWithFramesOfTheTable = held(
 )
 
 
-HAND = Path(__file__).parent / "plugins" / "edits" / "hand.urdf"
 TestAttach = held(EditContract, "attach", options=AttachOptions(file=HAND, name="hand", xyz=(0.0, 0.02, 0.011)))
 
 

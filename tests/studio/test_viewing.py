@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from two_fingers import HAND
 
 import dh2urdf
 from dh2urdf.errors import InputError
@@ -99,9 +100,8 @@ def test_one_robot_and_wrong_files(catalog: Catalog, tmp_path: Path) -> None:
 
 def test_the_arms_of_a_run_file_are_edited(catalog: Catalog, tmp_path: Path) -> None:
     """Joints have their new names, a hand is there, and its follower follows."""
-    hand = Path(__file__).parents[1] / "plugins" / "edits" / "hand.urdf"
     (tmp_path / "arm.csv").write_text("# convention: standard\na,alpha,d,theta\n0.3,0,0,0\n0.2,0,0,0\n")
-    edits = f"[{{stage: rename, options: {{prefix: my_}}}}, {{stage: attach, options: {{file: {hand}, name: hand}}}}]"
+    edits = f"[{{stage: rename, options: {{prefix: my_}}}}, {{stage: attach, options: {{file: {HAND}, name: hand}}}}]"
     run = tmp_path / "run.yaml"
     run.write_text(f"inputs: arm.csv\nemitters: [urdf]\nedits: {edits}\noutput: {{directory: build}}\n")
     view = View(load_figures([run], catalog))

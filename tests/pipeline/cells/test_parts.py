@@ -4,7 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import two_fingers
 from plain_frames import shift, turn
+from two_fingers import TWO_JOINTS as TABLE, hand_frames
 
 import dh2urdf
 from dh2urdf.kinematics import link_poses
@@ -13,8 +15,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf
 
-HAND = (Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf").read_text("utf-8")
-TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
+HAND = two_fingers.HAND.read_text("utf-8")
 BODY = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 LIFT = f"""<robot name="lift"><link name="base_link">{BODY.format(20)}</link><link name="carriage">{BODY.format(5)}</link>
 <link name="plate"/><joint name="up" type="prismatic"><parent link="base_link"/><child link="carriage"/>
@@ -63,24 +64,13 @@ def test_every_link_is_where_the_files_have_it(suffix: str, made: Path) -> None:
         carriage = shift(0.1, 1, 0.2) @ turn("x", 0.1) @ shift(z=lift)
         tool = carriage @ shift(0.2, 0.3, 0.1) @ table_pose(table, (one, two))
         hand = tool @ shift(z=0.011) @ turn("z", np.radians(30.0))
-        finger = shift(0, 0.01, 0.05) @ turn("y", 0.4)
         for link, wanted in {
             "base_carriage": carriage,
             "arm_tool0": tool,
-            "hand_base_link": hand,
-            "hand_left_finger": hand @ finger @ turn("x", left),
-            "eye_base_link": hand @ shift(z=0.1),
-            "eye_left_finger": hand @ shift(z=0.1) @ finger @ turn("x", -left),
+            **{f"hand_{name}": hand @ frame for name, frame in hand_frames(left).items()},
+            **{f"eye_{name}": hand @ shift(z=0.1) @ frame for name, frame in hand_frames(-left).items()},
         }.items():
             assert np.allclose(found[link], wanted, atol=1e-12), link
-
-
-def test_each_hand_has_a_leader_of_its_own(made: Path) -> None:
-    robot = read_urdf(made / "cell.urdf")
-    assert {name: follower.leader for name, follower in robot.followers.items()} == {
-        "hand_right": "hand_left",
-        "eye_right": "eye_left",
-    }
 
 
 def test_mujoco_has_all_the_masses(made: Path) -> None:

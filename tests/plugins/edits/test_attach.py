@@ -1,4 +1,4 @@
-"""The edit `attach`: a gripper from its own file on an arm, in every format, where MuJoCo and Pinocchio have it."""
+"""The edit `attach`: a gripper from its own file on an arm, in every format."""
 
 import math
 import re
@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import two_fingers
 from lxml import etree
 from plain_frames import rpy, shift
+from two_fingers import TWO_JOINTS as TABLE, hand_frames
 
 import dh2urdf
 from dh2urdf.errors import InputError, ProofError
@@ -21,8 +23,7 @@ from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.robot import Follower, Robot
 from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf, read_xacro
 
-TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
-HAND = Path(__file__).with_name("hand.urdf").read_text("utf-8")
+HAND = two_fingers.HAND.read_text("utf-8")
 MOUNT = {"xyz": [0.0, 0.02, "11 mm"], "rpy": [0.1, 0.2, "30 deg"]}
 READERS = {".urdf": read_urdf, ".urdf.xacro": read_xacro, ".sdf": read_sdf, ".xml": read_mjcf}
 
@@ -43,37 +44,19 @@ def _convert(tmp_path: Path) -> Callable[..., tuple[Path, Robot]]:
 
 
 @pytest.mark.parametrize("suffix", READERS)
-def test_every_format_has_it_where_mujoco_has_the_hand_alone(
-    suffix: str, convert: Callable[..., tuple[Path, Robot]], tmp_path: Path
-) -> None:
-    """Poses of all links of the hand in tool0, at joint values at which the follower follows."""
-    mujoco = pytest.importorskip("mujoco")
-    _, robot = convert(suffix)
-    alone = (tmp_path / "hand.urdf").read_text("utf-8").replace('fusestatic="true"', 'fusestatic="false"')
-    model = mujoco.MjModel.from_xml_string(alone)
-    data = mujoco.MjData(model)
-    place = shift(0.0, 0.02, 0.011) @ rpy(0.1, 0.2, math.radians(30.0))
-    for value in (0.0, 0.3, -0.2):
-        data.joint("left").qpos, data.joint("right").qpos = value, -0.05 * value + 0.001
-        mujoco.mj_kinematics(model, data)
-        q = dict.fromkeys([joint.name for joint in robot.actuated_joints], 0.4) | {"hand_left": value}
-        poses = {name: as_matrices(pose) for name, pose in link_poses(robot, q).items()}
-        for link in ("base_link", "right_finger", "left_finger"):
-            wanted = np.eye(4)
-            body = data.body(link) if link != "base_link" else None  # the root is the world for MuJoCo
-            if body is not None:
-                wanted[:3, :3], wanted[:3, 3] = body.xmat.reshape(3, 3), body.xpos
-            found = np.linalg.inv(poses["tool0"]) @ poses[f"hand_{link}"]
-            assert np.allclose(found, place @ wanted, atol=1e-12)
-
-
-@pytest.mark.parametrize("suffix", READERS)
-def test_the_follower_follows(suffix: str, convert: Callable[..., tuple[Path, Robot]]) -> None:
+def test_every_format_has_it(suffix: str, convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """Poses of all links of the hand in tool0, at joint values at which the follower follows, and their masses."""
     _, robot = convert(suffix)
     assert robot.followers == {"hand_right": Follower("hand_left", -0.05, 0.001)}
     assert [joint.name for joint in robot.actuated_joints] == ["one", "two", "hand_left"]
     masses = {link.name: link.inertial.mass for link in robot.links if link.inertial}
     assert [masses[f"hand_{name}"] for name in ("base_link", "right_finger", "left_finger")] == [0.6, 0.1, 0.2]
+    place = shift(0.0, 0.02, 0.011) @ rpy(0.1, 0.2, math.radians(30.0))
+    for left in (0.0, 0.3, -0.2):
+        q = {"one": 0.4, "two": 0.4, "hand_left": left}
+        poses = {name: as_matrices(pose) for name, pose in link_poses(robot, q).items()}
+        for link, wanted in hand_frames(left).items():
+            assert np.allclose(poses[f"hand_{link}"], poses["tool0"] @ place @ wanted, atol=1e-12), link
 
 
 def test_mujoco_drives_the_leader_alone(convert: Callable[..., tuple[Path, Robot]]) -> None:
@@ -157,18 +140,6 @@ def test_it_is_held_by_another_link(convert: Callable[..., tuple[Path, Robot]]) 
     found = np.linalg.inv(as_matrices(poses["tool0"])) @ as_matrices(poses["hand_base_link"])
     assert np.allclose(found, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.1], [0, 0, 0, 1]], atol=1e-15)
     assert {joint.name: joint.parent for joint in robot.joints}["hand_fixed"] == "hand_tool0"
-
-
-def test_two_hands_have_names_of_their_own(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
-    convert(".urdf")
-    file = str(tmp_path / "hand.urdf")
-    edits = [
-        {"attach": {"file": file, "name": name, "parent": parent}}
-        for name, parent in (("a", "tool0"), ("b", "a_tool0"))
-    ]
-    robot = dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "two.urdf", edits=edits).robot
-    assert robot.followers.keys() == {"a_right", "b_right"}
-    assert [each.parent for each in robot.attachments] == ["tool0", "a_tool0"]
 
 
 def faulty(robot: Robot, **changes: Any) -> Robot:

@@ -17,6 +17,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from drake_frames import drake_plant
+from two_fingers import HAND
 
 import dh2urdf_plugins.formats.urdf
 from dh2urdf.cells.attachments import attached
@@ -133,9 +134,6 @@ def test_a_cell_is_the_same_in_both(cli: Callable[..., Any], tmp_path: Path, pro
     found = ET.fromstring(expand(tmp_path / "ur5_on_track.urdf.xacro"))  # noqa: S314
     wanted = ET.parse(tmp_path / "ur5_on_track.urdf").getroot()  # noqa: S314
     assert Counter(map(described, found.iter())) == Counter(map(described, wanted.iter()))
-
-
-HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
 
 
 def with_hands(robot: Robot, **parents: str) -> Robot:

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from hypothesis import given, strategies as st
 from lxml import etree
+from two_fingers import HAND
 
 from dh2urdf.cells.attachments import attached
 from dh2urdf.errors import EmitterError, ProofError
@@ -123,9 +124,6 @@ def test_two_macros_and_two_calls_do_not_disturb_each_other(arm: Robot, tmp_path
         assert at[f"{prefix}lift"].xyz == (0, 0, 0.089159 * factor)
         assert at[f"{prefix}turn"].xyz == (-0.425 * factor, 0, 0)
         assert at[f"{prefix}turn"].rpy == (-math.pi / 2 * factor, 0, 0.3)
-
-
-HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
 
 
 def with_part(robot: Robot, file: Path, **options: Any) -> Robot:

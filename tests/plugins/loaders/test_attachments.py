@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from two_fingers import HAND, TWO_JOINTS as TABLE
 
 import dh2urdf
 
-HAND = Path(__file__).parents[1] / "edits" / "hand.urdf"
-TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
 SIMULATORS = {"mujoco": "mjcf", "pinocchio": "urdf", "pybullet": "urdf", "drake": "sdf", "gazebo": "sdf"}
 
 

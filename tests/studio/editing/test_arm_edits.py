@@ -1,7 +1,6 @@
 """Edits of the arm in a session: the drawing, the sliders and the files are those of the edited arm."""
 
 import io
-import math
 import shutil
 import zipfile
 from collections.abc import Callable
@@ -10,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plain_frames import shift
+from two_fingers import HAND, hand_frames
 
 import dh2urdf
 import dh2urdf_studio
@@ -21,7 +22,6 @@ from dh2urdf_studio.editing import edits, save
 from dh2urdf_studio.editing.opening import gallery_table
 from dh2urdf_studio.editing.session import Session
 
-HAND = Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf"
 UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"
 ATTACH = f"attach: {{file: {HAND}, name: hand, xyz: [0, 0, 11 mm]}}"
 
@@ -38,11 +38,6 @@ def poses(session: Session) -> dict[str, np.ndarray[Any, Any]]:
     return {name: as_matrices(pose) for name, pose in zip(names, found, strict=True)}
 
 
-def in_hand(session: Session, name: str) -> np.ndarray[Any, Any]:
-    every = poses(session)
-    return np.linalg.inv(every["hand_base_link"]) @ every[f"hand_{name}"]
-
-
 def test_a_hand_is_drawn_and_moves(session: Session) -> None:
     """Its links hang on tool0, its joint has a slider below the arm's, and the follower follows by the file's law."""
     sliders = [slider.name for slider in session.sliders]
@@ -53,18 +48,11 @@ def test_a_hand_is_drawn_and_moves(session: Session) -> None:
     assert [part.size for part in body.parts if part.layer == "links"] == [(0.1, 0.04, 0.04)]
     session.move(dict.fromkeys(session.q, 0.3) | {"hand_left": 0.0})
     every = poses(session)
-    place = np.linalg.inv(every["tool0"]) @ every["hand_base_link"]
-    assert np.allclose(place, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.011], [0, 0, 0, 1]], atol=1e-12)
-    left, right = in_hand(session, "left_finger"), in_hand(session, "right_finger")
-    session.move({"hand_left": 0.25})
-    turned, slid = in_hand(session, "left_finger"), in_hand(session, "right_finger")
-    # The left finger turns about its x, the right one slides along (0, 0.6, 0.8) of its frame by -0.05 of that.
-    cosine, sine = math.cos(0.25), math.sin(0.25)
-    turn = [[1, 0, 0, 0], [0, cosine, -sine, 0], [0, sine, cosine, 0], [0, 0, 0, 1]]
-    assert np.allclose(np.linalg.inv(left) @ turned, turn, atol=1e-12)
-    slide = np.eye(4)
-    slide[:3, 3] = np.array([0.0, 0.6, 0.8]) * -0.05 * 0.25
-    assert np.allclose(np.linalg.inv(right) @ slid, slide, atol=1e-12)
+    for left in (0.0, 0.25):
+        session.move({"hand_left": left})
+        found = poses(session)
+        for link, wanted in hand_frames(left).items():
+            assert np.allclose(found[f"hand_{link}"], every["tool0"] @ shift(z=0.011) @ wanted, atol=1e-12), link
     assert np.allclose(poses(session)["tool0"], every["tool0"])
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from two_fingers import HAND
 
 import dh2urdf_studio
 
-HAND = Path(__file__).parents[2] / "plugins" / "edits" / "hand.urdf"
 UR5 = Path(dh2urdf_studio.__file__).parent / "arms" / "ur5.csv"
 THERE = "name => Boolean(document.querySelector('.arm-view').scene.getObjectByName(name))"
 

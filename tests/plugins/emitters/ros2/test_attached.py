@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from lxml import etree
+from two_fingers import HAND
 
 import dh2urdf
 from dh2urdf.cells.attachments import attached
@@ -28,7 +29,6 @@ from dh2urdf_plugins.transforms.robots import alpha_swap
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
 
 HERE = Path(__file__).parent
-HAND = HERE.parents[1] / "edits" / "hand.urdf"
 UR5 = HERE.parents[3] / "configs" / "tables" / "ur5.csv"
 SEMANTICS = etree.RelaxNG(etree.parse(HERE.parent / "srdf" / "srdf.rng"))
 PLANNED = Ros2Options(moveit=True, trials=300)

@@ -12,6 +12,7 @@ import pytest
 import xacro
 import yaml
 from lxml import etree
+from two_fingers import HAND
 
 from dh2urdf.errors import ConfigError
 from dh2urdf_plugins.packages.ros2 import Ros2Options
@@ -20,7 +21,6 @@ from dh2urdf_plugins.packages.ros2.package_files import package_xml
 Cli = Callable[..., Any]
 
 TABLES = Path(__file__).parents[4] / "configs" / "tables"
-HAND = Path(__file__).parents[2] / "edits" / "hand.urdf"
 SYSTEM_PYTHON = "/usr/bin/python3"
 """The interpreter that Debian's ament and colcon are installed for."""
 

@@ -364,14 +364,14 @@ BUDGETS = {
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 980,
     "pipeline/dh2urdf/output": 1540,
-    "pipeline/dh2urdf/plugin_system": 1870,
+    "pipeline/dh2urdf/plugin_system": 1910,
     "pipeline/dh2urdf/quantities": 1320,
     "pipeline/dh2urdf/report": 2070,
     "pipeline/dh2urdf/robot_check": 520,
     "pipeline/dh2urdf/run_file": 1860,
     "pipeline/dh2urdf/running": 1050,
     "pipeline/dh2urdf/scaffold": 210,
-    "pipeline/dh2urdf/stages": 980,
+    "pipeline/dh2urdf/stages": 1030,
     "pipeline/dh2urdf/table_text": 390,
     "pipeline/dh2urdf/tasks": 690,
     "pipeline/dh2urdf/testing": 1640,
@@ -423,7 +423,7 @@ def test_the_host_has_twelve_floors() -> None:
 
 STAGES_NAMED = {
     ("pipeline/dh2urdf/commands/given_tables.py", "screws"): "what `from_screws` is the function of",
-    ("pipeline/dh2urdf/stages/__init__.py", "urdf"): "what a loader takes whose record does not mention it",
+    ("pipeline/dh2urdf/stages/loaders.py", "urdf"): "what a loader takes whose record does not mention it",
     ("pipeline/dh2urdf/testing/stage_contract.py", "yaml"): "a Python module",
 }
 """Where the host has a word that is also the name of a built-in stage."""

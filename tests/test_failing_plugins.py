@@ -24,7 +24,7 @@ from typing import Any
 from dh2urdf import errors
 from dh2urdf.hookspecs import hookimpl
 from dh2urdf.manipulator import Convention, DHRow, Manipulator
-from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
+from dh2urdf.plugin_system.records import CAPABILITIES
 from dh2urdf.stages import (Compares, Edit, EmittedFile, Executor, HasSchema, Loader, LoadReport, NoOptions, OtherFiles,
                             Reader, Rejected)
 from dh2urdf_plugins.formats.urdf import EMITTER

@@ -6,8 +6,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf import hookspecs
-from dh2urdf.plugin_system import RECORDS
-from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
+from dh2urdf.plugin_system.records import CAPABILITIES, RECORDS
 from dh2urdf.stages import Subcommand
 
 if TYPE_CHECKING:

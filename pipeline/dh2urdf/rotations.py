@@ -308,7 +308,7 @@ def norm(vector: Vec3) -> float:
 
 def rotation_from_rpy(rpy: Vec3) -> Rotation:
     """The rotation Rz(yaw)·Ry(pitch)·Rx(roll) of URDF's fixed-axis angles [rad], without -0.0; takes columns."""
-    (cx, sx), (cy, sy), (cz, sz) = (exact_cos_sin(angle) for angle in rpy)
+    (cx, sx), (cy, sy), (cz, sz) = map(exact_cos_sin, rpy)
     u, v = sy * sx, sy * cx
     return (
         cz * cy + 0.0,

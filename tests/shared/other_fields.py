@@ -3,7 +3,7 @@
 from dataclasses import fields, replace
 from typing import Any
 
-from dh2urdf.plugin_system.plugin_stages import CAPABILITIES
+from dh2urdf.plugin_system.records import CAPABILITIES
 
 
 def with_field(stage: Any, field: str, value: Any) -> Any:

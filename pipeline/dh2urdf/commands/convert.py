@@ -118,7 +118,7 @@ def plan_conversion(
     if target is None:
         calls["emitter"] = [in_one_file(call) for call in calls["emitter"]]
     elif len(emitters) == 1 and not emitters[0].can(WritesFolders):
-        calls["emitter"] = [as_named(call, target) for call in calls["emitter"]]
+        calls["emitter"] = [as_named(calls["emitter"][0], target)]
         if formats:
             from dh2urdf.conversion.file_endings import notices_of_ending
 
@@ -169,7 +169,7 @@ def carry_out(  # noqa: PLR0917 - what `plan_conversion` has found out
         notices = unsettled(notices)
     made = replace(made, notices=(*notices, *asked))
     note((*manipulator.notices, *made.notices))
-    used = (path for call in recipe.calls for path in call.files)
+    used = [path for call in recipe.calls for path in call.files]
     untyped = [row.joint for row, cells in zip(manipulator.rows, trace.rows, strict=False) if "type" not in cells]
     return Conversion(
         manipulator=manipulator,

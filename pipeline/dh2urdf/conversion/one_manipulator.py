@@ -31,7 +31,6 @@ from dh2urdf.stages import (
     EmittedFile,
     Emitter,
     GivesNotices,
-    Loader,
     Reader,
     ReadsBack,
     ReadsInColumns,
@@ -48,6 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
+    from dh2urdf.stages import Loader  # noqa: TC004 - the type of a field, which nobody asks for
     from dh2urdf.table_text import TableText, Trace
 
 say = Messages(__file__)

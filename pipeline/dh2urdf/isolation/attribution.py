@@ -61,7 +61,8 @@ class Attribution:
         self._process = 0
         if self.plugin is not None and not self.plugin.is_builtin:
             self._process, self._folder = os.getpid(), _folder()
-        self._share()
+        if _shared is not None:
+            _share(_shared, self)
 
     def __exit__(
         self, _kind: type[BaseException] | None, error: BaseException | None, _traceback: TracebackType | None
@@ -74,14 +75,15 @@ class Attribution:
                     os.chdir(self._folder)
         _current.set(self._before)
         if not isinstance(error, KeyboardInterrupt):
-            Attribution._share(self._before)
+            if _shared is not None:
+                _share(_shared, self._before)
         elif self._process and not getattr(error, "__notes__", ()):
             error.add_note(f"{self} was at work")  # A child keeps the name, too: the interrupt ends it.
 
-    def _share(self: Attribution | None) -> None:
-        """Write the name where the parent of this process reads it."""
-        if _shared is not None:
-            os.pwrite(_shared, str(self or "").encode(errors="replace")[: NAME_SIZE - 1] + b"\0", 0)
+
+def _share(descriptor: int, at_work: Attribution | None) -> None:
+    """Write the name where the parent of this process reads it."""
+    os.pwrite(descriptor, str(at_work or "").encode(errors="replace")[: NAME_SIZE - 1] + b"\0", 0)
 
 
 def _folder() -> str:

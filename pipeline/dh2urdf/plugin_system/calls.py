@@ -35,17 +35,18 @@ from dh2urdf.errors import (
     TableWarning,
 )
 from dh2urdf.isolation.attribution import UNKNOWN, Attribution, current, reason_of, traceback_of
-from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load, load_plugin
+from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin, load, load_plugin
 from dh2urdf.plugin_system.options import make_options
 from dh2urdf.source import listed, shown
-from dh2urdf.stages import Edit, EmittedFile, Emitter, Executor, Kind, Loader, Reader, Transform
+from dh2urdf.stages import EmittedFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from dh2urdf.source import Mark, Problem
+    from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Reader, Transform
 
-S = TypeVar("S", Reader[Any], Transform[Any], Edit[Any], Emitter[Any], Loader[Any], Executor[Any])
+S = TypeVar("S", "Reader[Any]", "Transform[Any]", "Edit[Any]", "Emitter[Any]", "Loader[Any]", "Executor[Any]")
 T = TypeVar("T")
 
 _OWN = "raised by dh2urdf itself, not by a stage"
@@ -66,7 +67,10 @@ class Call(Generic[S]):
     @property
     def kind(self) -> Kind:
         """The kind of the stage."""
-        return next(kind for kind, record in RECORDS.items() if isinstance(self.stage, record))
+        for kind in KINDS:
+            if isinstance(self.stage, getattr(stages, kind.capitalize())):
+                return kind
+        raise TypeError(self.stage)
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 from dh2urdf.errors import BrokenPluginError, InputError, StageConflictError, UnknownStageError
 from dh2urdf.isolation.attribution import Plugin, same_name
 from dh2urdf.plugin_system.discovery import installed
-from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, RECORDS, PluginStages, Provided, declared
+from dh2urdf.plugin_system.plugin_stages import COMMAND, KINDS, PluginStages, Provided, declared
 from dh2urdf.source import Messages, did_you_mean, shown
-from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Subcommand, Usual
+from dh2urdf.stages import Reader, ReadsCells, ReadsDescriptions, Usual
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
     from typing import Literal
 
-    from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Transform
+    from dh2urdf.stages import Edit, Emitter, Executor, Kind, Loader, Stage, Subcommand, Transform
 
 say = Messages(__file__)
 
-__all__ = ["KINDS", "RECORDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
+__all__ = ["KINDS", "Catalog", "Plugin", "Provided", "Shadowed", "load", "load_plugin"]
 
 
 class Shadowed(NamedTuple):
@@ -223,7 +223,9 @@ class Catalog:
     def _by_suffix(self, kind: Kind, path: Path, advice: str) -> Any:  # noqa: ANN401 - a record of the kind
         suffix = path.suffix.lower()
         own = self._builtin(kind, self._plugins, lambda stage: suffix in getattr(stage, "suffixes", ()))
-        best = [(suffix, own)] if own else self._with_suffix(kind, path.name, _by_right(self._plugins, kind)[0])
+        if own and "." not in path.name[1 : -len(suffix)]:
+            return self._only(kind, own.stage.name, [own])
+        best = [] if own else self._with_suffix(kind, path.name, _by_right(self._plugins, kind)[0])
         if not best or "." in path.name[1 : -len(best[0][0])]:  # A plugin may have a longer suffix, or the only one.
             best = self._with_suffix(kind, path.name, self._plugins)
         if not best:

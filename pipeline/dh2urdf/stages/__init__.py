@@ -20,13 +20,14 @@ from dh2urdf.source import Mark, Problem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups, RobotColumns
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
+    from dh2urdf.stages.executors import Executor as Executor, ExecutorCapability as ExecutorCapability, Lost as Lost
     from dh2urdf.stages.foreign_robot import Follower as Follower, ForeignRobot as ForeignRobot
+    from dh2urdf.stages.given import Stage as Stage, Subcommand as Subcommand
     from dh2urdf.stages.inspections import (
         SEVERITIES as SEVERITIES,
         Annotation as Annotation,
@@ -45,6 +46,14 @@ if TYPE_CHECKING:
         Question as Question,
         SimulatedArm as SimulatedArm,
     )
+    from dh2urdf.stages.loaders import (
+        LOAD_TIME_LIMIT as LOAD_TIME_LIMIT,
+        Inspects as Inspects,
+        Loader as Loader,
+        LoaderCapability as LoaderCapability,
+        ReadsOutput as ReadsOutput,
+        Reusable as Reusable,
+    )
     from dh2urdf.table_text import CellRow, TableText, Trace, WrittenTable
 
 O = TypeVar("O")  # noqa: E741 - the options type of a stage
@@ -52,8 +61,6 @@ C = TypeVar("C")
 
 PACKAGE_FILE = "package.xml"
 """What the folder of a ROS package holds."""
-LOAD_TIME_LIMIT = 300.0
-"""How long a loader may take where it names no other time [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -486,177 +493,18 @@ class Emitter(_Capable, Generic[O]):
         return (*self.suffixes, *(others.other_endings if others else ()))
 
 
-# --- Loaders
-
-
-class ReadsOutput(NamedTuple):
-    """A loader whose simulator prints warnings.
-
-    `read_output` returns the findings in all that the simulator printed while it loaded a file, well or badly, without
-    those that it prints for good files too.
-    """
-
-    read_output: Callable[[LoadRequest, str], Sequence[Problem]]
-
-
-class Reusable(NamedTuple):
-    """A loader whose simulator a child process imports once for many manipulators of a run.
-
-    `prepare` imports the simulator, as a load with these options would, and starts no thread. Each load is called in a
-    fork of the child: no load meets what another one left in it. What `prepare` prints is in the output of each load.
-    """
-
-    prepare: Callable[[Any], None]
-
-
-class Inspects(NamedTuple):
-    """A loader whose simulator is given descriptions of any origin: ``dh2urdf check``.
-
-    Attributes:
-        inspect: what the simulator makes of a file. It is called behind a fence, where nothing can be imported and no
-            file can be written. It raises `dh2urdf.errors.LoaderError` where the simulator
-            refuses the file.
-        prepare: imports all that this needs, and returns the version of the simulator.
-        complaints: of all that was printed meanwhile, what the simulator says about the file, a message each.
-        formats: names of the emitters whose files it takes.
-        title: what findings call the simulator.
-        unopened: elements of a file that the simulator takes over without looking at what they name, such as ``mesh``.
-        starts_program: whether `inspect` starts a program; then the fence allows the programs of the system.
-    """
-
-    inspect: Callable[[Question], HeldRobot]
-    prepare: Callable[[], str]
-    complaints: Callable[[str], Sequence[str]]
-    formats: tuple[str, ...]
-    title: str
-    unopened: tuple[str, ...] = ()
-    starts_program: bool = False
-
-
-LoaderCapability: TypeAlias = Requires | ReadsOutput | Reusable | Inspects
-"""What else a loader can do."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Loader(_Capable, Generic[O]):
-    """Loads a written file into a simulator and reports what the simulator says.
-
-    Attributes:
-        name: the stage's name in a run file.
-        summary: what it loads into, in one line.
-        open: opens the file in the simulator. It returns a `SimulatedArm`, which dh2urdf measures, compares and
-            closes; or a `LoadReport`, where it measures the arm itself. It is called in a child process, so it may
-            crash or leave; what it prints, from C too, goes into the report. It raises `dh2urdf.errors.LoaderError`
-            where the simulator refuses the file, and `dh2urdf.errors.MissingDependencyError` or `MissingProgramError`
-            where it is not installed or does not run.
-        options: its options dataclass. Three attributes or properties of it have a meaning: ``poses``, how many joint
-            vectors are measured (else 25); ``picture``, whether a picture is taken (else no); and ``time_limit``, how
-            long a load may take before it is taken for hung [s] (else five minutes), or None where a person ends it.
-        formats: names of the emitters whose files it takes, the preferred one first.
-        capabilities: what else it can do, of `LoaderCapability`.
-    """
-
-    name: str
-    summary: str
-    open: Callable[[LoadRequest, O], SimulatedArm | LoadReport]
-    options: type[O]
-    formats: tuple[str, ...] = ("urdf",)
-    capabilities: tuple[LoaderCapability, ...] = ()
-
-    def poses(self, options: O) -> int:
-        """How many joint vectors are measured with these options."""
-        poses: int = getattr(options, "poses", 25)
-        return poses
-
-    def picture(self, options: O) -> bool:
-        """Whether these options ask for a picture."""
-        picture: bool = getattr(options, "picture", False)
-        return picture
-
-    def time_limit(self, options: O) -> float | None:
-        """How long a load may take with these options [s]; None where a person ends it."""
-        limit: float | None = getattr(options, "time_limit", LOAD_TIME_LIMIT)
-        return limit
-
-    def read_output(self, request: LoadRequest, output: str) -> Sequence[Problem]:
-        """The findings in what the simulator printed."""
-        reads = self.can(ReadsOutput)
-        return () if reads is None else reads.read_output(request, output)
-
-
-# --- Executors
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lost:
-    """A task that ended the process which worked at it, and so has no result.
-
-    Attributes:
-        reason: what is known of its end, as the end of a sentence: ``the worker crashed (segmentation fault)``.
-    """
-
-    reason: str
-
-
-ExecutorCapability: TypeAlias = Requires | Usual
-"""What else an executor can do."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Executor(_Capable, Generic[O]):
-    """Runs the pipeline over many manipulators.
-
-    Attributes:
-        name: the stage's name in a run file.
-        summary: where the work is done, in one line.
-        options: its options dataclass.
-        map: results of a picklable function over tasks, in the order of the tasks, taking tasks as they are needed. A
-            worker that ends costs no result but that of a task which ends every worker it is given to: it gives `Lost`
-            in its place, and the others go on. What the function raises is raised after the results before it.
-            The function of a run has an attribute ``distributions``: the names of those whose stages it uses, which a
-            worker on another machine has to have in the same versions. None where `pool` is given.
-        pool: a context manager whose `submit(function, task)` gives a future, as every Executor of concurrent.futures
-            has it: then order, errors, and tasks that end a worker (`concurrent.futures.BrokenExecutor`) are dh2urdf's
-            work. The field ``workers`` of the options, where it is a number, says how many tasks are submitted ahead.
-        capabilities: what else it can do, of `ExecutorCapability`.
-    """
-
-    name: str
-    summary: str
-    options: type[O]
-    map: Callable[[Callable[[Any], Any], Iterable[Any], O], Iterator[Any]] | None = None
-    pool: Callable[[O], AbstractContextManager[Any]] | None = None
-    capabilities: tuple[ExecutorCapability, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Subcommand:
-    """A command that a plugin adds to ``dh2urdf``.
-
-    Attributes:
-        name: the word on the command line, such as ``check``. A command of dh2urdf itself keeps its name.
-        summary: one line for ``dh2urdf --help``.
-        function: where the `click.Command` is, as ``module:name``; the module is imported when the command is called.
-            The command's options are those of the `click.Command`, and its exit status is what its function returns.
-        behind: the command that it follows in ``dh2urdf --help``; it is at the end by default.
-    """
-
-    name: str
-    summary: str
-    function: str
-    behind: str = ""
-
-
 Kind: TypeAlias = Literal["reader", "transform", "edit", "emitter", "loader", "executor"]
-Stage: TypeAlias = Reader[Any] | Transform[Any] | Edit[Any] | Emitter[Any] | Loader[Any] | Executor[Any]
 
 if not TYPE_CHECKING:  # Most commands make no such record.
     __all__, __getattr__, __dir__ = late_names(
         __name__,
         {
+            "executors": "Executor ExecutorCapability Lost",
             "foreign_robot": "Follower ForeignRobot",
+            "given": "Stage Subcommand",
             "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity arguments_of",
             "load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",
+            "loaders": "LOAD_TIME_LIMIT Inspects Loader LoaderCapability ReadsOutput Reusable",
         },
     )
     __all__ += [
@@ -664,5 +512,5 @@ if not TYPE_CHECKING:  # Most commands make no such record.
         for name, value in globals().items()
         if (getattr(value, "__module__", "") == __name__ and len(name) > 1 and name[0] != "_")
         or name.endswith("Capability")
-        or name in {"LOAD_TIME_LIMIT", "PACKAGE_FILE", "Kind", "Stage"}
+        or name in {"PACKAGE_FILE", "Kind"}
     ]

@@ -10,7 +10,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.hookspecs import hookimpl
-from dh2urdf.plugin_system.catalog import KINDS, RECORDS, Catalog, Plugin
+from dh2urdf.plugin_system.catalog import KINDS, Catalog, Plugin
+from dh2urdf.plugin_system.records import RECORDS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -27,9 +27,10 @@ import pytest
 
 from dh2urdf.errors import Dh2UrdfError, MissingDependencyError, MissingProgramError, PluginError
 from dh2urdf.hookspecs import PROJECT
-from dh2urdf.plugin_system.catalog import RECORDS, Catalog, Plugin, load
+from dh2urdf.plugin_system.catalog import Catalog, Plugin, load
 from dh2urdf.plugin_system.option_types import describe_options, keys_of
 from dh2urdf.plugin_system.options import make_options
+from dh2urdf.plugin_system.records import RECORDS
 from dh2urdf.quantities import Dimension
 from dh2urdf.stages import HasSchema
 from dh2urdf.testing.catalogs import catalog_of

@@ -152,3 +152,46 @@ def test_the_srdf_has_a_group_of_the_whole_chain(folder: Path) -> None:
     (state,) = (each for each in semantic.findall("group_state") if each.get("group") == "track_rider_manipulator")
     assert len(state) == 7
     assert state[0].get("name") == "track_track_joint"
+
+
+def test_an_arm_on_a_gantry_from_a_file_has_a_group_of_both(tmp_path: Path) -> None:
+    """From the floor to the tool, or to the tip of what it holds; one on a table that stands still has its own alone."""
+    pytest.importorskip("pinocchio")
+    body = '<inertial><mass value="9"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    joint = (
+        '<joint name="{0}" type="prismatic"><parent link="{1}"/><child link="{2}"/><axis xyz="{3}"/>'
+        '<limit lower="-1" upper="1" effort="900" velocity="1"/></joint>'
+    )
+    links = "".join(f'<link name="{name}">{body}</link>' for name in ("frame", "bridge", "cart", "hook"))
+    links += joint.format("x", "frame", "bridge", "1 0 0") + joint.format("y", "bridge", "cart", "0 1 0")
+    hook = '<joint name="z" type="fixed"><parent link="cart"/><child link="hook"/></joint>'
+    (tmp_path / "gantry.urdf").write_text(f'<robot name="gantry">{links}{hook}</robot>')
+    (tmp_path / "plate.urdf").write_text(
+        '<robot name="plate"><link name="top"/><link name="edge"/>'
+        '<joint name="j" type="fixed"><parent link="top"/><child link="edge"/></joint></robot>'
+    )
+    (tmp_path / "run.yaml").write_text(f"""
+inputs: {TABLES}/ur5.csv
+parts: [{{name: gantry, file: gantry.urdf}}, {{name: plate, file: plate.urdf}}, {{name: tool, file: plate.urdf, tip: edge}}]
+cells:
+  - name: cell
+    arms:
+      - {{name: g, of: gantry, xyz: [0, 0, 3]}}
+      - {{name: hung, of: ur5, parent: g/hook, rpy: [pi, 0, 0]}}
+      - {{name: pen, of: tool, parent: hung/tool0}}
+      - {{name: table, of: plate, xyz: [3, 0, 0]}}
+      - {{name: other, of: ur5, parent: table/edge}}
+emitters: [{{stage: srdf, options: {{trials: 100}}}}]
+""")
+    dh2urdf.run(tmp_path / "run.yaml", tmp_path / "out")
+    semantic = etree.parse(tmp_path / "out" / "cell.srdf").getroot()
+    chains = {each.getparent().get("name"): tuple(each.attrib.values()) for each in semantic.iter("chain")}
+    assert chains == {
+        "hung_manipulator": ("hung_base_link", "pen_edge"),
+        "other_manipulator": ("other_base_link", "other_tool0"),
+        "g_hung_manipulator": ("g_frame", "pen_edge"),
+    }
+    (state,) = (each for each in semantic.findall("group_state") if each.get("group") == "g_hung_manipulator")
+    names = [each.get("name") for each in state]
+    assert (names[:2], len(names)) == (["g_x", "g_y"], 8)
+    assert [each.get("name") for each in semantic.findall("group")][-1] == "g"

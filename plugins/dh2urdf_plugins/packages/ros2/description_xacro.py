@@ -133,7 +133,7 @@ def systems_of(
 ) -> list[tuple[ControlledJoints, Kind]]:
     """What has a ros2_control that the packages write, each with the kind that it is; none without hardware."""
     found: list[tuple[ControlledJoints, Kind]] = []
-    arms = {prefix: next(kind for kind in kinds if kind.robot is alone) for prefix, alone in arms_of(robot)}
+    arms = {arm.prefix: next(kind for kind in kinds if kind.robot is arm.kind) for arm in arms_of(robot)}
     for each in controlled_joints(robot, options.group) if options.controlled else ():
         if each.attachment is None:
             found.append((each, arms[each.prefix]))

@@ -26,7 +26,7 @@ from dh2urdf_plugins.formats.urdf.writer import check_lines, serialise
 from dh2urdf_plugins.formats.xacro.writer import NAMESPACE, PartMacros, XacroNotation, append_element, with_laden_kinds
 from dh2urdf_plugins.packages.ros2 import description_xacro as xacros, package_files as files, yaml_files as yamls
 from dh2urdf_plugins.packages.srdf import srdf
-from dh2urdf_plugins.packages.srdf.semantics import arms_of, chains, groups
+from dh2urdf_plugins.packages.srdf.semantics import Semantics, arms_of
 from dh2urdf_plugins.ros_conventions import VERSION
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     joints = yamls.controlled_joints(robot, options.group)
     yield f"config/{name}.srdf", srdf(robot, options, options.group)
     yield f"config/{name}.urdf.xacro", _shown_description(robot, name, package, options)
-    yield "config/kinematics.yaml", yamls.kinematics([*groups(robot, options.group), *chains(robot, options.group)])
+    yield "config/kinematics.yaml", yamls.kinematics(Semantics(robot, options.group).chains)
     yield "config/joint_limits.yaml", yamls.planning_limits(robot.actuated_joints, options.acceleration)
     yield "config/moveit_controllers.yaml", yamls.moveit_controllers(joints)
     if controlled:
@@ -175,9 +175,9 @@ def _with_base(robot: Robot) -> Robot:
     """
     kinds = {id(arm.kind): _with_base(arm.kind) for arm in robot.arms}
     links, joints = list(robot.links), list(robot.joints)
-    for prefix, kind in arms_of(robot):
-        table = kind.manipulator
-        joint, child, parent = (prefix + name for name in (f"{kind.root}-{BASE}", BASE, kind.root))
+    for arm in arms_of(robot):
+        table, root = arm.kind.manipulator, arm.kind.root
+        joint, child, parent = (arm.prefix + name for name in (f"{root}-{BASE}", BASE, root))
         taken = {each.name for each in links} | {each.name for each in joints}
         if table is not None and table.base != IDENTITY and taken.isdisjoint((joint, child)):
             origin = Origin.of(table.base)
@@ -215,10 +215,10 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
     if missing := [name for name in ("maintainer", "email", "license") if not getattr(options, name)]:
         options_missing = ", ".join(f"`{name}`" for name in missing)
         found.append(say("package-xml-incomplete", missing=missing, options=options_missing))
-    for prefix, kind in arms_of(robot):
-        table = kind.manipulator
+    for arm in arms_of(robot):
+        table = arm.kind.manipulator
         if table is not None and table.base != IDENTITY and BASE in {row.link for row in table.rows}:
-            found.append(say("frame-name-taken", name=f"{prefix}{BASE}"))
+            found.append(say("frame-name-taken", name=f"{arm.prefix}{BASE}"))
     controlled = yamls.controlled_joints(robot, options.group) if options.controlled else ()
     keeping = [each.attachment for each in controlled if len(each.hardware.joints) < len(each.robot.moving_joints)]
     found += [say("part-drives-itself", name=each.name) for each in keeping if each]
@@ -229,7 +229,7 @@ def notices_of_packages(robot: Robot, options: Ros2Options) -> list[Problem]:
         found.append(say("no-accelerations", joints=listed(without), seconds=yamls.SPEED_UP))
     for name in (joint.name for joint in robot.actuated_joints if yamls.is_no_text_to_launch(joint.name)):
         found.append(say("joint-name-no-text", name=name, other=f"joint_{name}"))
-    for group in groups(robot, options.group):
+    for group in Semantics(robot, options.group).chains:
         if (count := len(group.joints)) < yamls.SPACE:
             joints = f"{count} joint{'' if count == 1 else 's'}"
             found.append(say("group-too-small", group=group.name, joints=joints))

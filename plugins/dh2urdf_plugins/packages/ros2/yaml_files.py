@@ -79,7 +79,7 @@ class ControlledJoints(NamedTuple):
 
 def controlled_joints(robot: Robot, group: str) -> list[ControlledJoints]:
     """The controllers of the arms and attachments of a robot that move; `group` is what groups of arms are called."""
-    arms = [ControlledJoints(prefix, prefix, without_attachments(kind)) for prefix, kind in arms_of(robot)]
+    arms = [ControlledJoints(arm.prefix, arm.prefix, without_attachments(arm.kind)) for arm in arms_of(robot)]
     parts = moving_attachments(robot, group).items()
     return [
         *[each for each in arms if each.joints],

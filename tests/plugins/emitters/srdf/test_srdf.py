@@ -108,7 +108,10 @@ class TestOneArm:
 
 
 def test_what_an_arm_holds_is_an_end_effector(cli: Cli, tmp_path: Path) -> None:
-    """A gripper at a flange or a tool, of fewer joints; neither an arm on a track, nor what stands on the floor."""
+    """A gripper at a flange or a tool, of fewer joints; neither an arm on a track, nor what stands on the floor.
+
+    The flange is beside the way to tool0, and MoveIt looks for the parent link in the parent group.
+    """
     (tmp_path / "gripper.csv").write_text(
         "# convention: standard\njoint,type,a,alpha,d,lower,upper,velocity,effort\njaw,prismatic,0,0,0.02,0,0.05,0.1,20\n"
     )
@@ -123,7 +126,7 @@ def test_what_an_arm_holds_is_an_end_effector(cli: Cli, tmp_path: Path) -> None:
     out = tmp_path / "out"
     semantic, _ = checked((out / "workshop.srdf").read_bytes(), (out / "workshop.urdf").read_bytes())
     assert [dict(each.attrib) for each in semantic.findall("end_effector")] == [
-        {"name": "hand", "parent_link": "f_flange", "group": "hand_manipulator", "parent_group": "f_manipulator"}
+        {"name": "hand", "parent_link": "f_link_6", "group": "hand_manipulator", "parent_group": "f_manipulator"}
     ]
 
 

@@ -285,8 +285,8 @@ def counted_fast(figures: Figures) -> Iterator[None]:
     """Counts the arms that are read by the fast way."""
     read_fast = PlainRows.read
 
-    def counted(self: PlainRows, rows: Any, sizes: Any) -> Any:
-        groups = read_fast(self, rows, sizes)
+    def counted(self: PlainRows, arms: Any) -> Any:
+        groups = read_fast(self, arms)
         figures.fast += sum(len(members) for members, _ in groups or ())
         return groups
 

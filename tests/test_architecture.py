@@ -387,7 +387,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4350,
     "plugins/dh2urdf_plugins/loaders": 2630,
     "plugins/dh2urdf_plugins/packages": 2240,
-    "plugins/dh2urdf_plugins/readers": 7110,
+    "plugins/dh2urdf_plugins/readers": 7050,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6720,

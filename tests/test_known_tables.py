@@ -38,8 +38,8 @@ def test_every_known_table_is_read_as_the_arm_that_it_is(tmp_path: Path) -> None
 def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
     fast = PlainRows.read
 
-    def wrong(self: PlainRows, cells: Any, sizes: Any) -> Any:
-        groups = fast(self, cells, sizes)
+    def wrong(self: PlainRows, arms: Any) -> Any:
+        groups = fast(self, arms)
         return groups and [(members, [changed(row, len(members)) for row in rows]) for members, rows in groups]
 
     def changed(row: Any, count: int) -> Any:

@@ -213,11 +213,11 @@ def test_a_column_that_later_holds_something_is_spoken_of(tmp_path: Path) -> Non
 
 
 def test_known_headers_and_notes_go_the_fast_way(tmp_path: Path, fast: list[int]) -> None:
-    """After the first manipulator, whose notice says that a column is left out."""
+    """After the first manipulator, whose notice says that a column is left out; the last one is a batch by itself."""
     rows = "".join(f"r{k},R,0.3,0,0,1,no {k}\n" for k in range(400))
     (tmp_path / "arms.csv").write_text(MANY + rows)
     assert len(list(stages.CSV.read(tmp_path / "arms.csv", OPTIONS))) == 400
-    assert sum(fast) >= 399
+    assert sum(fast) >= 398
 
 
 # --- Texts ------------------------------------------------------------------------------------------------------------

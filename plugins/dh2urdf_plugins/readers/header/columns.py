@@ -87,6 +87,18 @@ class Columns:
         return next(header for header, each in pairs if each and name in FIELDS[each].columns)
 
 
+@dataclass(slots=True)
+class Rows:
+    """The rows of one manipulator as they are in the file."""
+
+    name: str
+    keys: list[Any] = field(default_factory=list)
+    cells: list[Row] = field(default_factory=list)  # of the first `MAX_JOINTS`
+    count: int = 0
+    torn: bool = False  # other rows of the same manipulator stand elsewhere
+    nameless: bool = False  # the column of robots is empty in some of them
+
+
 class RowSource(Protocol):
     """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
 

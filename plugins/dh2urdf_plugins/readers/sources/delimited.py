@@ -6,7 +6,6 @@ import codecs
 import csv
 import io
 import re
-from collections import deque
 from itertools import accumulate, chain, islice
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,6 +19,7 @@ from dh2urdf_plugins.readers.comments.top import MAX_TITLES
 from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, fields_in, split
 from dh2urdf_plugins.readers.tables.cell_rows import Joints, choose, one_table, other_header, starts_table
+from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import (
     SIGNS,
@@ -62,6 +62,8 @@ COMPUTED = "=+@-"
 _GUARDED = re.compile(f"'+[{COMPUTED}]")
 _CAREFUL = ('"', *(f"'{sign}" for sign in COMPUTED))
 """What a block has whose lines are more than cells and delimiters."""
+_KEPT = 4 * MAX_JOINTS
+"""Lines with quotes that are kept behind the last one: those of a manipulator of which some rows are still to come."""
 _EMPTY = SPACES + "".join(DELIMITERS) + '"'
 """What a line consists of that holds nothing."""
 _LINES_OF_A_CELL = 100
@@ -137,7 +139,7 @@ class CsvRows:
         self.width = self.needed = 0
         self.joints = Joints([], 0, self.below)
         self.one_robot = True
-        self.quoted: deque[tuple[int, str]] = deque()  # lines with quotes: lengths do not tell where their cells start
+        self.quoted: dict[int, str] = {}  # lines with quotes: lengths do not tell where their cells start
 
     # --- The top ------------------------------------------------------------------------------------------------------
 
@@ -278,8 +280,9 @@ class CsvRows:
             text = "".join(block)
             has_quotes = any(sign in text for sign in _CAREFUL)
             if has_quotes:
+                self.quoted = {at: line for at, line in self.quoted.items() if at > start - _KEPT}
                 lines = enumerate(block, start)
-                self.quoted.extend((at, line) for at, line in lines if any(sign in line for sign in _CAREFUL))
+                self.quoted |= {at: line for at, line in lines if any(sign in line for sign in _CAREFUL)}
                 block = [f"{line}\n" for line in block]  # noqa: PLW2901 - a cell in quotes keeps the end of the line
             if any(sign[0] in text and sign in text for sign in SIGNS):
                 block = [  # noqa: PLW2901 - the same lines
@@ -308,7 +311,7 @@ class CsvRows:
 
     def _wrong_cell(self, error: str, line: int) -> Problem:
         """What is wrong with a cell whose quotes are wrong, or that has no end."""
-        number, text = next(((n, text) for n, text in self.quoted if n >= line and '"' in text), (line, ""))
+        number, text = next(((n, text) for n, text in self.quoted.items() if n >= line and '"' in text), (line, ""))
         is_open = number == line and text.count('"') % 2
         if "limit" in error and not is_open:
             return say("long-cell", self.mark(line), most=csv.field_size_limit())
@@ -338,11 +341,7 @@ class CsvRows:
     def row(self, key: int, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
         """A row with the places at which its cells start, and what is wrong with it."""
         texts = list(map(text_of, cells))
-        while self.quoted and self.quoted[0][0] < key:
-            self.quoted.popleft()
-        is_quoted_line = self.quoted and self.quoted[0][0] == key
-        line = self.quoted[0][1] if is_quoted_line else self.delimiter.join(texts)
-        row = self._cells(line, key, texts)
+        row = self._cells(self.quoted.get(key) or self.delimiter.join(texts), key, texts)
         return row, self._problems(row, texts, number)
 
     def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:

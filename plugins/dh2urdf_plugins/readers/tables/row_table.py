@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain, groupby
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ from dh2urdf.source import Mark, Messages, Problem, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.table_text import REQUIRED
 from dh2urdf_plugins.readers.comments.declared import declare, declare_types
-from dh2urdf_plugins.readers.header.columns import Row
+from dh2urdf_plugins.readers.header.columns import Row, Rows
 from dh2urdf_plugins.readers.header.header_rows import unit_in
 from dh2urdf_plugins.readers.header.units import unit_problems
 from dh2urdf_plugins.readers.options import given_by
@@ -54,18 +54,6 @@ _USUAL = (0.2, 3.0)
 _NEARLY_PARALLEL = 0.01
 """Angle between the axes of neighbours that a calibration finds where the drawing has parallel ones [rad]."""
 say = Messages(__file__)
-
-
-@dataclass(slots=True)
-class Rows:
-    """The rows of one manipulator as they are in the file."""
-
-    name: str
-    keys: list[Any] = field(default_factory=list)
-    cells: list[Row] = field(default_factory=list)  # of the first `MAX_JOINTS`
-    count: int = 0
-    torn: bool = False  # other rows of the same manipulator stand elsewhere
-    nameless: bool = False  # the column of robots is empty in some of them
 
 
 class RowTable:
@@ -101,7 +89,7 @@ class RowTable:
         """What reads rows fast; most tables of one manipulator are read with care, and never import it."""
         from dh2urdf_plugins.readers.plain.rows import PlainRows
 
-        return PlainRows(self.columns, self.units)
+        return PlainRows(self.columns, self.units, self._careful)
 
     def _define(self, comments: list[Comment], said: Node | None = None) -> None:
         """Takes the names for lengths that a statement and comments define, and forgets the comments."""
@@ -198,10 +186,10 @@ class RowTable:
 
     def _any(self, groups: list[Rows]) -> Iterator[Manipulator | ManipulatorGroups | Rejected]:
         """Reads manipulators fast where all are plain, and else one half of them after the other."""
-        if groups and (plain := self._plain(groups)):
-            yield plain if len(groups) > 1 else plain.tables()[0]
-        elif len(groups) == 1:
+        if len(groups) == 1:
             yield self._careful(groups[0])
+        elif groups and (plain := self._plain(groups)):
+            yield plain
         elif groups:
             half = len(groups) // 2
             yield from self._any(groups[:half])
@@ -215,7 +203,7 @@ class RowTable:
                 return None
         cells = list(chain.from_iterable(rows.cells for rows in groups))
         sizes = [len(rows.keys) for rows in groups]
-        if not cells or (read := self.plain.read(cells, sizes)) is None or (statements := self._agreed(cells)) is None:
+        if not cells or (statements := self._agreed(cells)) is None or (read := self.plain.read(groups)) is None:
             return None
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
         lines = [tuple(self.source.places(rows.keys)) for rows in groups]

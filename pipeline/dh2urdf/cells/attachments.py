@@ -126,23 +126,30 @@ def _problems(found: ForeignRobot, path: Path, call: AttachmentCall, elements: t
         yield say("attached-too-large", file, count=count, most=MOST_ELEMENTS)
         return
     yield from found.faults
-    for kind, names in (("link", links), ("joint", joints)):
-        for name in [name for name, times in Counter(names).items() if times > 1]:
-            yield say("attached-name-twice", file, kind=kind, name=name)
     for joint in robot.joints:
         yield from (problem.about(mark=joint.mark or file) for problem in _joint_problems(joint, found, links))
-    held = Counter(joint.child for joint in robot.joints)
-    for name in [name for name, times in held.items() if times > 1]:
-        yield say("attached-loop", file, link=name)
-    roots = [name for name in dict.fromkeys(links) if name not in held]
-    if len(roots) != 1:
-        yield say("attached-roots" if roots else "attached-no-root", file, count=len(roots), roots=listed(roots, 5))
+    yield from (problem.about(mark=file) for problem in _tree_problems(robot, links, joints))
     for option, link in (("root", call.root), ("tip", call.tip)):
         if link is not None and link not in links:
             yield say("attached-no-such-link", file, field=option, found=link, suggestion=did_you_mean(link, links))
     for tag, attribute, name in lost_references(elements, frozenset((*links, *joints))):
         near = did_you_mean(name, [*links, *joints])
         yield say("attached-reference", file, tag=tag, field=attribute, found=name, suggestion=near)
+
+
+def _tree_problems(robot: Robot, links: list[str], joints: list[str]) -> Iterator[Problem]:
+    """What keeps links and joints from being a tree with one root."""
+    for kind, names in (("link", links), ("joint", joints)):
+        for name in [name for name, times in Counter(names).items() if times > 1]:
+            yield say("attached-name-twice", kind=kind, name=name)
+    held = Counter(joint.child for joint in robot.joints)
+    for name in [name for name, times in held.items() if times > 1]:
+        yield say("attached-loop", link=name)
+    roots = [name for name in dict.fromkeys(links) if name not in held]
+    if len(roots) > 1:
+        yield say("attached-roots", count=len(roots), roots=listed(roots, 5))
+    elif circle := [name for name in links if name not in {*roots, *_below(robot, roots)}]:
+        yield say("attached-circle", links=listed(circle, 5))
 
 
 def _joint_problems(joint: Joint, found: ForeignRobot, links: list[str]) -> Iterator[Problem]:
@@ -194,18 +201,25 @@ def _hung_by(robot: Robot, root: str, path: Path) -> Robot:
 def _in_order(robot: Robot) -> Robot:
     """A robot whose links come behind those that hold them, each joint as its child; siblings as in the file."""
     links = {link.name: link for link in robot.links}
-    below: dict[str, list[Joint]] = {}
-    for joint in robot.joints:
-        below.setdefault(joint.parent, []).append(joint)
     held = {joint.child for joint in robot.joints}
-    waiting = [name for name in links if name not in held]
-    ordered, joints = [links[waiting[0]]], list[Joint]()
+    (root,) = (name for name in links if name not in held)
+    below = _below(robot, [root])
+    ordered = (links[root], *(links[name] for name in below))
+    return replace(robot, links=ordered, joints=tuple(below.values()))
+
+
+def _below(robot: Robot, roots: list[str]) -> dict[str, Joint]:
+    """The links below some links by their names, each with the joint that holds it, parents before children."""
+    held_by: dict[str, list[Joint]] = {}
+    for joint in robot.joints:
+        held_by.setdefault(joint.parent, []).append(joint)
+    below: dict[str, Joint] = {}
+    waiting = [*roots]
     while waiting:
-        following_joints = below.get(waiting.pop(), [])
-        joints += following_joints
-        ordered += [links[joint.child] for joint in following_joints]
-        waiting += [joint.child for joint in reversed(following_joints)]
-    return replace(robot, links=tuple(ordered), joints=tuple(joints))
+        joints = [joint for joint in held_by.get(waiting.pop(), []) if joint.child not in below]
+        below |= {joint.child: joint for joint in joints}
+        waiting += [joint.child for joint in reversed(joints)]
+    return below
 
 
 def _as_readers_have_it(joint: Joint) -> Joint:

@@ -309,7 +309,8 @@ def expected_poses_of(cell: Cell, robots: Mapping[str, Robot]) -> ExpectedPoses:
     for arm in arms:
         before[arm.name], root = (), None
         holder = calls[arm.parent] if arm.parent is not None else None
-        if holder is not None and holder.part:  # The proof of parts says where that is.
+        if holder is not None and (holder.part or arm.link in robots[holder.of].foreign_names):
+            # The proof of attachments says where that is.
             root = holder.prefix + arm.link
         elif holder is not None:
             held = _up_to(arm.link, cell.manipulators[holder.of], robots[holder.of])

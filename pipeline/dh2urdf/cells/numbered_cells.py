@@ -16,7 +16,7 @@ from dh2urdf.manipulator import Manipulator
 from dh2urdf.source import Messages, Problem
 from dh2urdf.stages import Rejected
 from dh2urdf.variations.binding import LEAST_PROBABILITY, count_problems, grid_points
-from dh2urdf.variations.laws import Normal, Scale
+from dh2urdf.variations.laws import Grid, Normal, Scale
 from dh2urdf.variations.sampling import MOST_POINTS
 from dh2urdf.variations.variation import Factor, Variants, Variation, drawn_values, numbered
 
@@ -75,8 +75,15 @@ class NumberedCells:
         return {name: found[name] for name in varied}
 
     def notices(self) -> Iterator[Problem]:
-        """What is odd about the section."""
+        """What the parts notice, and two arms whose variants are alike in what is drawn."""
         yield from self.call.notices
+        first: dict[tuple[object, ...], str] = {}
+        for arm, variation in self.varied.items() if self.call.combine is Combine.PAIRS else ():
+            if not all(isinstance(factor.law, Grid) for factor in variation.factors):
+                other = first.setdefault((variation.seed, variation.sampling, variation.count), arm)
+                if other != arm:
+                    yield say("variants-alike", self.mark, field="arms", first=other, second=arm)
+                    return
 
     def drawn(self, numbers: Sequence[int]) -> list[dict[str, DrawnValue]]:
         """What is drawn for some of the cells [SI]: ``left/a_2`` of an arm's variant, ``left/x`` of its placement."""
@@ -86,7 +93,9 @@ class NumberedCells:
             its = variation.drawn([each[arm] for each in numbers_of])
             for cell, values in zip(drawn, its, strict=True):
                 cell.update({f"{arm}/{key}": value for key, value in values.items()})
-        placed = drawn_values(self.factors, numbers, count=self.count, seed=call.seed, sampling=call.sampling)
+        # Variants are drawn from a seed, too, and placements must not follow them.
+        seed = f"{call.name} {call.seed}" if self.varied else call.seed
+        placed = drawn_values(self.factors, numbers, count=self.count, seed=seed, sampling=call.sampling)
         return [cell | values for cell, values in zip(drawn, placed, strict=True)]
 
     def made(self, number: int, drawn: Mapping[str, DrawnValue]) -> Cell:
@@ -162,7 +171,7 @@ def with_tables(
         kinds: dict[str, Manipulator | Variation] = {}
         problems: list[Problem] = []
         for arm in call.arms:
-            if arm.part is not None and gathering.has(arm.of):
+            if arm.part is not None and (arm.of in variations or gathering.has(arm.of)):
                 about = {"field": "of", "found": arm.of, "user": the_arm(arm), "name": arm.of}
                 problems.append(say("part-or-manipulator", arm.of_mark or arm.mark, **about))
             if arm.part is not None:
@@ -235,6 +244,9 @@ def _count_problems(cells: NumberedCells) -> Iterator[Problem]:
     elif unlike := [(arm, other) for arm, other in others if other != count]:
         second, other = unlike[0]
         yield say("variants-unpaired", mark, field="arms", first=first, count=count, second=second, other=other)
+    total = prod(counts.values()) if call.combine is Combine.ALL else count
+    if total < (points := grid_points(cells.factors)):
+        yield say("cells-below-grid", mark, field="vary", count=total, points=points)
 
 
 def _factors(rule: PlacementRule, call: CellCall, problems: list[Problem]) -> Iterator[Factor]:

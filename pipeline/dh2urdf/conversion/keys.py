@@ -24,6 +24,9 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf._version import __version__
 from dh2urdf.columns import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.documents.text_files import is_file, is_folder
+from dh2urdf.errors import ManipulatorError
+from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.stages import DependsOn
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -50,6 +53,9 @@ def recipe_key(recipe: Recipe) -> str:
             with suppress(OSError), path.open("rb") as file:
                 digest = file_digest(file, "sha256").hexdigest()
             files.append((str(path), digest))
+        if reads := call.stage.can(DependsOn):
+            with suppress(ManipulatorError), blaming(call):  # The edit fails in the same way, and its stage reports it.
+                files.append((call.stage.name, key_of(whole(reads.read(call.options)), "")))
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()), sorted(recipe.only.items()))
     own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)

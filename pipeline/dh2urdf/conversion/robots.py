@@ -56,10 +56,7 @@ def make_item(
         raise RobotError(problems)
     edited = replace(item, manipulators=tables)
     composed = compose(edited, robots)
-    found = _found_wrong(composed, item.mark)
-    if item.call.notices:  # Arms at one place, which has been reported, overlap.
-        found = [notice for notice in found if notice.code != "arms-overlap"]
-    robot = replace(composed, notices=(*composed.notices, *found))
+    robot = replace(composed, notices=(*composed.notices, *_found_wrong(composed, item.mark)))
     return robot, expected_poses_of(edited, robots)
 
 
@@ -81,11 +78,19 @@ def edited_table(
     table = manipulator
     for call in edits:
         if call.stage.edit_table is not None:
-            if call.stage.can(NeedsMasses) and lacks_masses(table):
+            if _needs_masses(call) and lacks_masses(table):
                 with blaming(transform):
                     table = with_masses(table, a_record(transform.stage.transform(table, transform.options), Robot))
             table = _edited(call, call.stage.edit_table, table)
     return table if table is manipulator else _with_torn_links(table, manipulator)
+
+
+def _needs_masses(call: Call[Edit[Any]]) -> bool:
+    needs = call.stage.can(NeedsMasses)
+    if needs is None:
+        return False
+    with blaming(call):
+        return a_record(needs.applies(call.options), bool)
 
 
 def lacks_masses(table: Manipulator) -> bool:
@@ -194,7 +199,7 @@ def edited_tables(
     original = columns.table
     for call in edits:
         if call.stage.edit_table is not None:
-            if call.stage.can(NeedsMasses) and lacks_masses(columns.table):
+            if _needs_masses(call) and lacks_masses(columns.table):
                 columns = replace(columns, table=with_masses(columns.table, _robots_alike(columns, transform)))
             columns = replace(columns, table=_edited(call, call.stage.edit_table, columns.table))
             if len(columns.table.rows) != len(columns.lines[0]):

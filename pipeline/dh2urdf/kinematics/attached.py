@@ -81,15 +81,16 @@ def _moved(robot: Robot, written: Robot) -> Iterator[Problem]:
 
 
 def _changed(robot: Robot, written: Robot) -> Iterator[Problem]:
-    """Links with another mass, and shapes that there are not."""
-    bodies = {link.name: link.inertial for link in written.links}
+    """Links with another mass, or with fewer shapes."""
+    links = {link.name: link for link in written.links}
     for each in robot.attachments:
         for link in each.robot.links:
-            if not _same_body(link.inertial, bodies[each.prefix + link.name]):
-                yield say("attached-mass-changed", name=each.name, link=each.prefix + link.name)
-    wanted, found = (sum(len(link.shapes) for link in one.links) for one in (robot, written))
-    if wanted != found:
-        yield say("attached-shapes-lost", wanted=wanted, count=found)
+            found = links[each.prefix + link.name]
+            about: dict[str, Any] = {"name": each.name, "link": found.name}
+            if not _same_body(link.inertial, found.inertial):
+                yield say("attached-mass-changed", **about)
+            if len(found.shapes) < len(link.shapes):
+                yield say("attached-shapes-lost", wanted=len(link.shapes), count=len(found.shapes), **about)
 
 
 def _joint_vectors(part: Robot) -> Iterator[dict[str, float]]:

@@ -85,9 +85,11 @@ def sure_columns(robot: Robot, names: Sequence[str]) -> Condition:
     sure = np.array([bool(name.strip()) for name in names])
     if columns := columns_of(robot):
         sure &= np.isfinite(columns).all(axis=0)
+    foreign = robot.foreign_names  # All have them alike.
     with np.errstate(all="ignore"):
         for joint in robot.joints:
-            sure &= _is_sure_joint(joint)
+            if joint.name not in foreign:
+                sure &= _is_sure_joint(joint)
         for link in robot.links:
             if link.inertial and columns_of(link.inertial):
                 sure &= (link.inertial.mass > 0.0) & is_sound(link.inertial.inertia)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import TypeAlias
 
-    from dh2urdf.robot import Collision, Joint, Robot
+    from dh2urdf.robot import Arm, Collision, Joint, Origin, Robot
     from dh2urdf.rotations import RigidTransform, Vec3
     from dh2urdf.source import Problem
 
@@ -113,7 +113,12 @@ class _ArmBody(NamedTuple):
 
 
 def arm_overlaps(robot: Robot) -> Iterator[Problem]:
-    """A notice of the two arms of a cell that reach deepest into each other where their joints start."""
+    """A notice of two arms of a cell that have one place, or of the two that overlap most where their joints start."""
+    places: dict[tuple[str, Origin], Arm] = {}
+    for arm in robot.arms:
+        if (same := places.setdefault((arm.parent, arm.placement), arm)) is not arm:
+            yield say("arms-at-one-place", first=same.name, second=arm.name, place=arm.parent)
+            return
     bodies = list(_bodies(robot))
     joint_to = {joint.child: joint for joint in robot.joints}
     holders = _holders(robot)

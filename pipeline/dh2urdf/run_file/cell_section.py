@@ -13,7 +13,7 @@ from dh2urdf.run_file.variation_section import read_law
 from dh2urdf.source import Messages, Problem, did_you_mean, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.documents.document import Node
     from dh2urdf.run_file.reading import Reading
@@ -54,7 +54,6 @@ def _cell(given: CellSection, node: Node, field: str, to: Reading) -> CellCall |
             count=given.count,
             seed=given.seed,
             sampling=given.sampling,
-            notices=tuple(_arms_at_one_place(given.name, arms, {rule.arm for rule in vary})),
             count_mark=count.mark if count else None,
             mark=node.mark,
         )
@@ -114,18 +113,6 @@ def _wrong_arms(arms: Sequence[ArmCall]) -> Iterator[Problem]:
                 "suggestion": did_you_mean(arm.parent, names),
             }
             yield say("parent-unknown", arm.parent_mark, parent=arm.parent, arm=arm.name, choices=choices, **about)
-
-
-def _arms_at_one_place(cell: str, arms: Sequence[ArmCall], varied: Collection[str]) -> Iterator[Problem]:
-    """A notice of the first arm that stands where another one does; arms whose placement varies are left out."""
-    first: dict[tuple[str | None, str, Origin], ArmCall] = {}
-    for arm in arms:
-        if arm.name not in varied:
-            other = first.setdefault((arm.parent, arm.link, arm.placement), arm)
-            if other is not arm:
-                place = WORLD if arm.parent is None else f"{arm.parent}/{arm.link}"
-                yield say("arms-at-one-place", arm.mark, robot=cell, first=other.name, second=arm.name, place=place)
-                return
 
 
 def _parents_first(arms: Sequence[ArmCall]) -> tuple[ArmCall, ...]:

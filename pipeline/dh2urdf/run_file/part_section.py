@@ -67,8 +67,16 @@ def _part(given: PartSection, node: Node, place: str, to: Reading) -> PartCall |
     return None
 
 
-def with_parts(cells: Sequence[CellCall], parts: Sequence[PartCall], catalog: Catalog) -> tuple[CellCall, ...]:
+def with_parts(
+    cells: Sequence[CellCall], parts: Sequence[PartCall], catalog: Catalog, *, all_known: bool
+) -> tuple[CellCall, ...]:
     """Cells whose arms that name a part have what its file holds, which is read once.
+
+    Args:
+        cells: the cells.
+        parts: the parts.
+        catalog: has what reads them.
+        all_known: whether these are all cells: one that is wrong may name a part.
 
     Raises:
         ConfigError: a part cannot be read, or no cell has it.
@@ -78,7 +86,7 @@ def with_parts(cells: Sequence[CellCall], parts: Sequence[PartCall], catalog: Ca
     named = {arm.of for cell in cells for arm in cell.arms}
     for part in parts:
         name = part.call.name
-        if name not in named:
+        if name not in named and all_known:
             near = did_you_mean(name, named)
             problems.append(say("part-unused", part.mark, field="parts", found=name, suggestion=near))
             continue

@@ -76,7 +76,7 @@ def make_plan(config: RunConfig, catalog: Catalog) -> Plan:
             asked.problems.append(say("loader-without-file", each.mark, field="loaders", **about))
     cells = config.cells
     try:
-        cells = with_parts(config.cells, config.parts, catalog)
+        cells = with_parts(config.cells, config.parts, catalog, all_known=not config.problems)
     except ConfigError as error:
         asked.problems += error.problems
     if asked.problems or transform is None or executor is None:

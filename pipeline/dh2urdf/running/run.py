@@ -61,6 +61,8 @@ if TYPE_CHECKING:
 
 say = Messages(__file__)
 
+KEPT = 100
+"""Batches at the start of a run, of which nothing can be read, that keep their rows: all their problems are printed."""
 Note: TypeAlias = "Callable[[BatchReport, int | None], None]"
 """Gets each batch, and how many manipulators the run will probably have."""
 
@@ -220,7 +222,7 @@ def _make(  # noqa: PLR0917 - what a run has in its hands
             manifest.add(report)
             result.add(report)
             readable = readable or report.was_read
-            unread.append(report if readable else replace(report, rows=b""))
+            unread.append(report if readable or len(unread) < KEPT else replace(report, rows=b""))
             if readable:
                 for each in unread:
                     if note:

@@ -287,15 +287,26 @@ class EditsInColumns:
     """
 
 
-class NeedsMasses:
-    """An edit of tables that has to know what the base and every link weigh.
+class NeedsMasses(NamedTuple):
+    """An edit of tables that has to know what the base and every link weigh, where `applies` says so of its options.
 
     Where a table leaves that out, `edit_table` is given a table with the masses of the robot that the transform makes
     of it, such as those of the drawn shapes.
     """
 
+    applies: Callable[[Any], bool]
 
-EditCapability: TypeAlias = KeepsKinematics | EditsInColumns | NeedsMasses
+
+class DependsOn(NamedTuple):
+    """An edit that reads files which its options do not name, such as the meshes of a description.
+
+    `read` returns a record of what was read. Where that is another one, `--resume` makes the manipulators anew.
+    """
+
+    read: Callable[[Any], object]
+
+
+EditCapability: TypeAlias = KeepsKinematics | EditsInColumns | NeedsMasses | DependsOn
 """What else an edit can do."""
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 TIMED = 1000
 """Manipulators of a run whose durations are listed one by one; those of the others are added up."""
 MOST_CAUSES = 200
-"""Causes of notices and failures that are told apart; the manifest has the others too."""
+"""Causes of notices, and of failures, that are kept apart; the manifest has the others too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +89,7 @@ def add_cause(
     """Add problems of one cause to the causes so far, as long as these are few; whether it is a new cause."""
     if key in causes:
         causes[key].add([cause.first, *cause.others], cause.dropped)
-    elif len(causes) < MOST_CAUSES:
+    elif sum(each[0] == key[0] for each in causes) < MOST_CAUSES:  # A key begins with the severity.
         causes[key] = Cause(cause.first, cause.others, cause.dropped)
         return True
     return False

@@ -57,7 +57,7 @@ def require(sampling: Sampling) -> None:
 
 
 def points(
-    sampling: Sampling, *, seed: int, count: int, indices: Sequence[int], dimensions: int
+    sampling: Sampling, *, seed: int | str, count: int, indices: Sequence[int], dimensions: int
 ) -> NDArray[np.float64]:
     """Points of a sample of so many, by their indices from 0: an array of shape (dimensions, len(indices)).
 
@@ -96,7 +96,7 @@ def permuted(index: int, count: int, key: str) -> int:
             return index
 
 
-def regrouped(index: int, groups: int, count: int, seed: int) -> int:
+def regrouped(index: int, groups: int, count: int, seed: int | str) -> int:
     """The point for an index where `index % groups` decides what the point is combined with, such as a point of a grid.
 
     Each group has points that follow each other, which a Sobol sequence spreads evenly. It does not do so with every
@@ -135,7 +135,7 @@ def _digest(text: str) -> bytes:
 # --- Sobol sequences --------------------------------------------------------------------------------------------------
 
 
-def _sobol(seed: int, count: int, index: int, dimensions: int) -> list[float]:
+def _sobol(seed: int | str, count: int, index: int, dimensions: int) -> list[float]:
     gray = index ^ (index >> 1)
     words = [_shift(seed, dimension) for dimension in range(dimensions)]
     for bit, directions in enumerate(_directions(dimensions, (count - 1).bit_length())):
@@ -145,7 +145,7 @@ def _sobol(seed: int, count: int, index: int, dimensions: int) -> list[float]:
 
 
 @lru_cache(maxsize=65536)
-def _shift(seed: int, dimension: int) -> int:
+def _shift(seed: int | str, dimension: int) -> int:
     return _words(f"{seed} shift {dimension}")[0]
 
 

@@ -182,7 +182,7 @@ class Variation:
 
 
 def drawn_values(
-    factors: Sequence[Factor], numbers: Sequence[int], *, count: int, seed: int, sampling: Sampling
+    factors: Sequence[Factor], numbers: Sequence[int], *, count: int, seed: int | str, sampling: Sampling
 ) -> list[dict[str, DrawnValue]]:
     """What is drawn for some of `count` variants, by their numbers: the values of factors by their keys [SI].
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from dh2urdf.rotations import ZERO, Vec3
 from dh2urdf.source import Messages
-from dh2urdf.stages import Edit, EditsInColumns
+from dh2urdf.stages import DependsOn, Edit, EditsInColumns
 from dh2urdf_plugins.options import option
 
 if TYPE_CHECKING:
@@ -115,5 +115,5 @@ EDIT = Edit(
     summary="a gripper, a tool or a camera from its URDF or xacro, on a link of the arm",
     options=AttachOptions,
     edit_robot=edit_robot,
-    capabilities=(EditsInColumns(),),
+    capabilities=(EditsInColumns(), DependsOn(lambda options: options.attachment[0])),
 )

@@ -66,12 +66,17 @@ def edit_table(manipulator: Manipulator, options: MassesOptions) -> Manipulator:
             problems.append(say("masses-all-held", field="total", total=options.total, held=held))
     if problems:
         raise EditError(problem.about(robot=manipulator.name, mark=manipulator.mark) for problem in problems)
-    masses = [options.links.get(row.link, factor * row.mass) for row in manipulator.rows]
-    base = options.base if options.base is not None else factor * (manipulator.base_mass or 0.0)
+    if options.total is None:  # What has no mass in the table keeps that of its shape.
+        masses = [options.links.get(row.link, row.mass) for row in manipulator.rows]
+        base = manipulator.base_mass if options.base is None else options.base
+    else:
+        masses = [options.links.get(row.link, factor * row.mass) for row in manipulator.rows]
+        base = factor * (manipulator.base_mass or 0.0) if options.base is None else options.base
     rows = tuple(map(weighing, manipulator.rows, masses))
-    # Nothing is left that has a density but a payload without an inertia, which is a ball.
+    # What has a density is a link without a mass, and a payload without an inertia, which is a ball.
     payload = manipulator.payload
-    density = manipulator.density if payload is not None and payload.inertia is None else None
+    is_used = (payload is not None and payload.inertia is None) or any(mass is None for mass in (base, *masses))
+    density = manipulator.density if is_used else None
     notices = manipulator.notices
     if options == MassesOptions():
         notices = (*notices, say("edit-changes-nothing", field="edits", edit="masses", what="mass"))
@@ -84,17 +89,18 @@ def _problems(manipulator: Manipulator, options: MassesOptions) -> Iterator[Prob
         if name not in links:
             near = did_you_mean(name, links)
             yield say("masses-link-unknown", field="links", found=name, links=links, suggestion=near)
-    if unknown := [row.link for row in manipulator.rows if row.mass is None]:
+    unknown = [row.link for row in manipulator.rows if row.mass is None]
+    if unknown and options.total is not None:
         yield say("masses-unknown", field="edits", unknown=unknown)
 
 
-def weighing(row: DHRow, mass: Number) -> DHRow:
+def weighing(row: DHRow, mass: Number | None) -> DHRow:
     """A row with another mass of its link [kg], and the inertia of the same shape."""
     from dh2urdf.fields import replace_unchecked
     from dh2urdf.kinematics.mass import scaled
 
     is_body = row.mass is not None and agreed(row.mass > 0.0)
-    inertia = scaled(row.inertia, mass / row.mass) if row.inertia and is_body else row.inertia
+    inertia = scaled(row.inertia, mass / row.mass) if row.inertia and is_body and mass is not None else row.inertia
     return replace_unchecked(row, mass=mass, inertia=inertia)
 
 
@@ -103,5 +109,5 @@ EDIT = Edit(
     summary="what the arm, its base and its links weigh: the total of a data sheet is shared out among the links",
     options=MassesOptions,
     edit_table=edit_table,
-    capabilities=(EditsInColumns(), NeedsMasses()),
+    capabilities=(EditsInColumns(), NeedsMasses(lambda options: options.total is not None)),
 )

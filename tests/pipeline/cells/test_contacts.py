@@ -112,7 +112,7 @@ def test_far_arms_and_single_arms_have_no_notice() -> None:
 
 
 def test_arms_at_one_place_are_reported_once(cli: Cli, tmp_path: Path) -> None:
-    """Where two arms have one place, the section says so, and their links need not."""
+    """Where two arms have one place, of variants too, there is one notice of it, and none of their overlap."""
     (tmp_path / "run.yaml").write_text(
         f"inputs: {TABLES}/ur5.csv\n"
         "cells:\n"
@@ -123,5 +123,5 @@ def test_arms_at_one_place_are_reported_once(cli: Cli, tmp_path: Path) -> None:
     cli("run", tmp_path / "run.yaml", "-o", tmp_path / "out")
     rows = json.loads((tmp_path / "out/report.json").read_bytes())["manipulators"]
     codes = {row["name"]: tuple(notice["code"] for notice in row["notices"]) for row in rows}
-    overlapping = dict.fromkeys(("near", "turned_1"), ("arms-overlap",))
-    assert codes == {"ur5": (), "same": ("arms-at-one-place",), "turned_2": (), **overlapping}
+    alike = dict.fromkeys(("same", "turned_1"), ("arms-at-one-place",))
+    assert codes == {"ur5": (), "near": ("arms-overlap",), "turned_2": (), **alike}

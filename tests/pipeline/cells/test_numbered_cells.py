@@ -181,6 +181,14 @@ def test_every_cell_is_where_its_drawn_values_have_it(made: Callable[..., Any], 
     assert lefts == [0.1, 0.2, 0.1]
 
 
+def test_placements_are_drawn_apart_from_variants(made: Callable[..., Any]) -> None:
+    """The seed of the cells is that of the variation, and still the placement says nothing about the variant."""
+    more = "    seed: 5\n    vary: {arm: fixed, field: x, uniform: [0.1, 0.5]}"
+    rows = made(CELLS.replace("MORE", more))
+    shares = [rows[f"c_{number}"]["drawn"] for number in (1, 2, 3)]
+    assert all(abs(drawn["fixed/x"] - drawn["right/d_3"]) > 1e-6 for drawn in shares)
+
+
 def test_placements_alone_make_cells(made: Callable[..., Any]) -> None:
     """As many as the grid has points, or as the count says; a latin hypercube has one in each part of a range."""
     rows = made("""

@@ -295,3 +295,35 @@ def test_a_table_has_the_arm_alone_and_says_so(convert: Callable[..., tuple[Path
         dh2urdf.convert(tmp_path / "arm.csv", tmp_path / "arm.yaml", edits=[edit])
     again, given = dh2urdf.read(tmp_path / "arm.yaml"), dh2urdf.read(tmp_path / "arm.csv")
     assert np.allclose(again.fk([0.3, -0.7]), given.fk([0.3, -0.7]), atol=1e-12)
+
+
+def test_an_arm_stands_on_a_finger_of_another_arm(tmp_path: Path) -> None:
+    """The proof of its tool begins at the link of the hand, which the hand's own proof has."""
+    (tmp_path / "arm.csv").write_text(TABLE, "utf-8")
+    (tmp_path / "hand.urdf").write_text(HAND, "utf-8")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\noutput: out\nedits: [{stage: attach, options: {file: hand.urdf, name: hand}}]\n"
+        "cells: {name: c, arms: [{name: l, of: arm}, {name: r, of: arm, parent: l/hand_left_finger}]}\n"
+    )
+    dh2urdf.run(tmp_path / "run.yaml")
+    robot, q = read_urdf(tmp_path / "out" / "c.urdf"), {"l_one": 0.3, "l_hand_left": 0.4, "r_two": -0.2}
+    found, alone = link_poses(robot, q), link_poses(read_urdf(tmp_path / "out" / "arm.urdf"), {"two": -0.2})
+    finger, tool = found["l_hand_left_finger"], found["r_tool0"]
+    assert np.allclose(as_matrices(finger @ alone["tool0"]), as_matrices(tool), atol=1e-12)
+
+
+def test_a_changed_mesh_makes_the_arm_anew(tmp_path: Path) -> None:
+    """A run that resumes knows what the description names, too."""
+    stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex {} 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n"
+    mesh = '<visual><geometry><mesh filename="palm.stl"/></geometry></visual>'
+    (tmp_path / "arm.csv").write_text(TABLE, "utf-8")
+    (tmp_path / "hand.urdf").write_text(f'<robot name="h"><link name="palm">{mesh}</link></robot>', "utf-8")
+    (tmp_path / "run.yaml").write_text(
+        "inputs: arm.csv\noutput: out\nedits: [{stage: attach, options: {file: hand.urdf, name: hand}}]\n"
+    )
+    written = []
+    for width in (1, 1, 2):
+        (tmp_path / "palm.stl").write_text(stl.format(width), "utf-8")
+        dh2urdf.run(tmp_path / "run.yaml", resume=True)
+        written.append((tmp_path / "out" / "arm.urdf").stat().st_mtime_ns)
+    assert written[0] == written[1] < written[2]

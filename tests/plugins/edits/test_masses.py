@@ -208,3 +208,11 @@ def test_a_table_that_no_robot_is_made_of_is_refused_by_its_transform() -> None:
     rows = TABLES["masses"].replace(", 7", ", -7")
     with pytest.raises(TableError):
         urdf(HEAD + rows, {"masses": {"total": 3}})
+
+
+def test_what_is_not_named_keeps_its_density() -> None:
+    """Without a total, a link without a mass weighs what its shape does, also after an edit of its length."""
+    table, edits = HEAD + TABLES["density"], [{"masses": {"links": {"hand": 2}}}, {"values": {"hip": {"a": "*2"}}}]
+    both = [bodies(urdf(table, *order)) for order in (edits, edits[::-1])]
+    assert both[0]["hand"][0] == 2.0
+    assert {name: body[:2] for name, body in both[0].items()} == {name: body[:2] for name, body in both[1].items()}

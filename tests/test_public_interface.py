@@ -30,6 +30,7 @@ TABLE = re.compile(r"(?<=<!-- public: )(?P<remark>[^>]*-->\n)(?P<table>.*?)(?=<!
 
 PUBLIC = {
     "dh2urdf": "the commands as functions, and the records of arms: the Python API",
+    "dh2urdf.cells.floating": "robots of which something floats, as formats have them in which only the root can",
     "dh2urdf.cells.attachments": "robots from descriptions, bolted to other robots: grippers, tools, cameras, bases",
     "dh2urdf.columns": "many manipulators or robots that differ in numbers only, for stages that work on all at once",
     "dh2urdf.commands": "tables as files, which are read back before anybody gets them",

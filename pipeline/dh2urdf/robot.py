@@ -206,6 +206,8 @@ class Robot(Record):
         notices: what a careful person would want to know about how it was made.
         arms: the arms of a cell, parents before children; empty for a robot that is one arm.
         attachments: what is bolted to it; their links and joints are among its own, the last ones.
+        floating: names of the links that nothing holds in the world; where they are at first is the origin of their
+            fixed joint on the root, or they are the root.
         loaded: names of the joints whose effort follows from what they carry; of others, the table says it.
         manipulator: the table that it was made of; None for a cell, and where nobody knows it.
     """
@@ -218,6 +220,7 @@ class Robot(Record):
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     arms: tuple[Arm, ...] = field(default=(), compare=False)
     attachments: tuple[Attachment, ...] = field(default=(), compare=False)
+    floating: tuple[str, ...] = field(default=(), compare=False)
     loaded: tuple[str, ...] = field(default=(), compare=False)
     manipulator: Manipulator | None = field(default=None, compare=False)
 
@@ -252,6 +255,13 @@ class Robot(Record):
         """The joints that move by themselves, in order: a joint vector has a value for each."""
         followers = self.followers
         return tuple(joint for joint in self.moving_joints if joint.name not in followers)
+
+    @property
+    def held_rigidly(self) -> tuple[Joint, ...]:
+        """The fixed joints, but for those of links that float."""
+        return tuple(
+            [joint for joint in self.joints if joint.type is JointType.FIXED and joint.child not in self.floating]
+        )
 
     @property
     def foreign_names(self) -> frozenset[str]:

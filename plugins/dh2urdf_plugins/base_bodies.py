@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from dh2urdf.manipulator import BASE, ROOT, Inertia, JointType
+from dh2urdf.manipulator import BASE, ROOT, Inertia
 from dh2urdf.robot import Inertial
 from dh2urdf.source import Messages, Problem
 
@@ -44,8 +44,8 @@ def with_base_bodies(robot: Robot) -> Robot:
 def links_at_rest(robot: Robot) -> frozenset[str]:
     """Names of the root and of all links that no joint moves."""
     still = {robot.root}
-    for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED and joint.parent in still:
+    for joint in robot.held_rigidly:  # Parents before children.
+        if joint.parent in still:
             still.add(joint.child)
     return frozenset(still)
 

@@ -111,6 +111,7 @@ class ArmCall:
     parent: str | None = None  # name of the arm that holds it; None for the world
     link: str = WORLD  # the link of that arm, without its prefix
     placement: Origin = Origin()  # its root link in the link that holds it
+    floating: bool = False  # whether nothing holds it in the world
     part: Attachment | None = None  # what it is where it is no manipulator, but a part of the run
     mark: Mark | None = attribute(default=None, compare=False)
     of_mark: Mark | None = attribute(default=None, compare=False)  # where its manipulator is named
@@ -209,7 +210,9 @@ def compose(cell: Cell, robots: Mapping[str, Robot]) -> Robot:
         robot = attached(robot, each) if isinstance(each, Attachment) else _with_arm(robot, each)
     named = [f"{arm.name} ({arm.kind.name})" for arm in robot.arms]
     named += [each.name for each in robot.attachments if each.name in {arm.name for arm in cell.call.arms}]
-    return replace(robot, comment=f"{cell.name}: a cell of {', '.join(named)}, made by dh2urdf")
+    free = [arm for arm in cell.call.arms if arm.floating]
+    floating = tuple([arm.prefix + (arm.part.robot if arm.part else robots[arm.of]).root for arm in free])
+    return replace(robot, floating=floating, comment=f"{cell.name}: a cell of {', '.join(named)}, made by dh2urdf")
 
 
 def _with_arm(robot: Robot, arm: Arm) -> Robot:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
 
+from dh2urdf.cells.floating import prove_floating, with_world
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import EmitterError, InputError, ProofError, RecordError, TableError
@@ -282,6 +283,9 @@ def emit_robot(
             path, final = folder / described, f"{place or folder.parent}/{described}"
             with reading(path, final), blaming(call, "read_back"):
                 read = a_record(reads.read_back(path), Robot)
+            if robot.floating and not reads.of_tables:
+                read = with_world(robot, read)
+                prove_floating(robot, read)
             proof = _proof(expected, robot, read, call, poses, recipe, at_once=at_once)
             if not reads.of_tables:
                 prove_attachments(robot, read)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import NoneType
 from typing import TYPE_CHECKING, Any
 
+from dh2urdf.cells.floating import start_of, without_world
 from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
@@ -16,8 +17,9 @@ from dh2urdf.kinematics.attached import leaves, whole_vectors
 from dh2urdf.kinematics.chain import KinematicChain, as_matrices, link_poses
 from dh2urdf.kinematics.expected_poses import joint_vectors
 from dh2urdf.plugin_system.calls import Call, a_plain_name, a_record, blaming, depending_on
+from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, shown
-from dh2urdf.stages import Loader, LoadReport, LoadRequest
+from dh2urdf.stages import Loader, LoadReport, LoadRequest, ReadsBack
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -167,11 +169,17 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
     """
     loader = call.stage
     names = {emitted.stage: emitted.files[0].name for emitted in written}
-    path = next(picture.with_name(names[wanted]) for wanted in loader.formats if wanted in names)
+    wanted = next(each for each in loader.formats if each in names)
+    path = picture.with_name(names[wanted])
     with blaming(call, "poses"):
         count = a_record(loader.poses(call.options), int)
     with blaming(call, "picture"):
         is_pictured = a_record(loader.picture(call.options), bool)
+    reads = next(each.stage.can(ReadsBack) for each in recipe.emitters if each.stage.name == wanted)
+    of_file, to_root = robot, IDENTITY
+    if robot.floating and reads is not None and reads.floats_by_root:
+        of_file = without_world(robot)
+        to_root = start_of(robot, of_file.root).inverse
     poses = joint_vectors(expected, robot, count)
     frames: dict[str, tuple[tuple[float, ...], ...]] = {}
     values = [*whole_vectors(robot, [dict(zip(expected.joints, q, strict=True)) for q in poses])]
@@ -181,13 +189,13 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
         found = (tip.pose(q) if keeps else chain.forward_kinematics([q[number] for number in numbers]) for q in poses)
         if tip.root is not None:
             found = (link_poses(robot, q)[tip.root] @ pose for q, pose in zip(values, [*found], strict=True))
-        frames[tip.link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)
+        frames[tip.link] = tuple(tuple(as_matrices(to_root @ pose).ravel().tolist()) for pose in found)
     for link in leaves(robot):
         found = (link_poses(robot, q)[link] for q in values)
-        frames[link] = tuple(tuple(as_matrices(pose).ravel().tolist()) for pose in found)
+        frames[link] = tuple(tuple(as_matrices(to_root @ pose).ravel().tolist()) for pose in found)
     request = LoadRequest(
         path=path,
-        robot=robot,
+        robot=of_file,
         poses=tuple(tuple(q[joint.name] for joint in robot.moving_joints) for q in values),
         expected=frames,
         mark=expected.mark,

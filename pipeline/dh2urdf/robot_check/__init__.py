@@ -60,7 +60,7 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     for link in robot.links:
         problems += _body_problems(link, joint_to.get(link.name), is_foreign=link.name in foreign)
         problems += _shape_problems(link, joint_to.get(link.name))
-    problems += [*_weightless_chains(robot, joint_to), *_formula_problems(robot)]
+    problems += [*_weightless_chains(robot, joint_to), *_weightless_bases(robot, joint_to), *_formula_problems(robot)]
     if robot.arms and all(problem.severity == "notice" for problem in problems):
         from dh2urdf.robot_check.contacts import arm_overlaps
 
@@ -283,6 +283,20 @@ def _weightless_chains(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Pro
             continue
         if link.name in weightless and link.name not in laden and holder.parent in weightless:
             yield _problem(holder, "two-weigh-nothing", "mass", link=link.name, parent=holder.parent)
+
+
+def _weightless_bases(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Problem]:
+    """What floats moves: with its own links that fixed joints hold to it, it has a mass."""
+    wholes = [(each.prefix, each.robot) for each in robot.attachments]
+    wholes += [(arm.prefix, arm.kind) for arm in robot.arms]
+    for prefix, whole in wholes if robot.floating else ():
+        weighing = {link.name for link in whole.links if link.inertial and link.inertial.mass}
+        for joint in reversed(whole.held_rigidly):  # Children before parents.
+            if joint.child in weighing:
+                weighing.add(joint.parent)
+        root = prefix + whole.root
+        if root in robot.floating and whole.root not in weighing:
+            yield _problem(joint_to.get(root), "moves-without-mass", "mass", link=root)
 
 
 def _shape_problems(link: Link, holder: Joint | None) -> Iterator[Problem]:

@@ -79,6 +79,8 @@ def _arm(given: ArmSection, node: Node) -> ArmCall:
         accepted = "world, or a link of another arm of the cell, such as left/tool0"
         near = did_you_mean(given.parent, [WORLD]) or f"an arm's tool is {shown(f'{holder}/tool0')}"
         problems.append(say("parent-wrong", field="parent", parent=given.parent, accepted=accepted, suggestion=near))
+    if given.floating and given.parent != WORLD:
+        problems.append(say("floating-on-link", field="floating", found=given.parent))
     if problems:
         raise ConfigError(problems)
     parent = node.entry("parent")
@@ -89,6 +91,7 @@ def _arm(given: ArmSection, node: Node) -> ArmCall:
         parent=None if given.parent == WORLD else arm,
         link=link or WORLD,
         placement=Origin(xyz=given.xyz, rpy=given.rpy),
+        floating=given.floating,
         mark=node.mark,
         of_mark=(node.entry("of") or node).mark,
         parent_mark=parent.mark if parent else None,

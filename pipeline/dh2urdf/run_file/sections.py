@@ -139,6 +139,7 @@ class ArmSection:
     parent: Text = key("world, or a link of another arm, such as left/tool0", WORLD)
     xyz: Triple = key("where it stands on its parent [m]", ZERO, measures="length")
     rpy: Triple = key("its orientation there: roll, pitch, yaw [rad]", ZERO, measures="angle")
+    floating: bool = key("whether nothing holds it in the world; where it stands is where it begins", False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

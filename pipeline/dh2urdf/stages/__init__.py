@@ -364,11 +364,13 @@ class ReadsBack(NamedTuple):
             every run compares its kinematics with the DH product.
         is_costly: whether `read_back` is so slow that long runs prove a sample only.
         of_tables: whether the files are tables, which have the arm without what is attached to it.
+        floats_by_root: whether nothing can float but the root: of a robot that floats, the file has no world.
     """
 
     read_back: Callable[[Path], Robot]
     is_costly: bool = False
     of_tables: bool = False
+    floats_by_root: bool = False
 
 
 class ReadsForeign(NamedTuple):

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from dh2urdf.errors import EmitterError, InputError
 from dh2urdf.meshes import read_mesh
-from dh2urdf_plugins.collision_pairs.scene import Mechanism, Scene, pair_of, shaped_neighbours
+from dh2urdf_plugins.collision_pairs.scene import FLOATING, Mechanism, Scene, pair_of, shaped_neighbours
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -65,7 +65,8 @@ class CollisionPairs:
 def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
     """The collision pairs of a robot that was made of tables."""
     try:
-        return collision_pairs(Mechanism(robot=robot, followers=robot.followers), _content, options)
+        loose = {joint.name: FLOATING for joint in robot.joints if joint.child in robot.floating}
+        return collision_pairs(Mechanism(robot=robot, followers=robot.followers, loose=loose), _content, options)
     except InputError as error:
         raise EmitterError(error.problems) from error
 

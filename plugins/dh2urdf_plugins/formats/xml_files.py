@@ -283,7 +283,7 @@ class Model(NamedTuple):
     def whole(self, accepted: str = ACCEPTED) -> Robot:
         """The robot, of which nothing was left out; tables and the format have the accepted types of joints."""
         for joint in self.robot.joints if self.loose else ():
-            if (kind := self.loose.get(joint.name)) is not None:
+            if (kind := self.loose.get(joint.name)) is not None and joint.child not in self.robot.floating:
                 raise ProofError(say("joint-type-foreign", joint.mark, type=kind, accepted=accepted))
         for what, mark, fault in self.unread:
             raise ProofError(fault or say("not-read", mark, what=what))

@@ -162,8 +162,11 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     bodies = held.held_bodies(link.name for link in request.robot.links)
     report = comparison.loaded(version("drake"), joints, bodies)
     # The root is welded to the world, unless the file has it there; a root of the name ``world`` is the world.
-    root, world = held.frame(request.robot.root), held.plant.world_body()
-    if root.body().index() not in {body.index() for body in held.plant.GetBodiesWeldedTo(world)}:
+    robot = request.robot
+    root, world = held.frame(robot.root), held.plant.world_body()
+    if robot.root not in robot.floating and root.body().index() not in {
+        body.index() for body in held.plant.GetBodiesWeldedTo(world)
+    }:
         held.plant.WeldFrames(held.plant.world_frame(), root)
     # A motor on every joint that follows none and has an effort above 0, with a stiff spring as its control. The spring
     # cannot make the simulation unstable: Drake solves for it implicitly (the SAP solver), within the effort.
@@ -175,6 +178,9 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
             motor.set_controller_gains(PdControllerGains(p=effort / YIELD, d=effort / YIELD * 0.1))
     held.plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
     _guarded(comparison, held.plant.Finalize, "cannot compute with the arm")
+    free = map(held.plant.get_body, held.plant.GetFloatingBaseBodies())
+    if problems := comparison.floats(str(body.name()) for body in free):
+        raise LoaderError(problems)
     held.build()
     report = replace(report, **comparison.poses_of(held))
     if not joints:

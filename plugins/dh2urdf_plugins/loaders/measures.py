@@ -77,8 +77,8 @@ def carriers(robot: Robot, kept: Container[str] = ()) -> dict[str, tuple[str, Ri
     Links in `kept` stay links of their own, though fixed joints hold them.
     """
     found = {link.name: (link.name, IDENTITY) for link in robot.links}
-    for joint in robot.joints:  # Parents before children.
-        if joint.type is JointType.FIXED and joint.child not in kept:
+    for joint in robot.held_rigidly:  # Parents before children.
+        if joint.child not in kept:
             carrier, frame = found[joint.parent]
             found[joint.child] = carrier, frame @ joint.origin.transform
     return found
@@ -169,6 +169,15 @@ class Comparison(measuring.Comparison):
     def poses_of(self, held: Model) -> dict[str, Any]:
         """As `poses`, of what a simulator has made of the file."""
         return self.poses(partial(self.frames_of, held))
+
+    def floats(self, found: Iterable[str]) -> list[Problem]:
+        """The problem of a robot of which other bodies float in the simulator than it has."""
+        carried = carriers(self.robot)
+        held = sorted({carried[link][0] for link in found if link in carried})
+        if held == sorted(self.robot.floating):
+            return []
+        found, wanted = listed(held) or "none", listed(self.robot.floating) or "none"
+        return [self.placed(say("simulator-floats", simulator=self.simulator, found=found, wanted=wanted))]
 
     def lost(self, links: Iterable[str]) -> list[Problem]:
         """The problems of links that the simulator does not have."""

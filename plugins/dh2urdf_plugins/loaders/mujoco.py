@@ -94,6 +94,10 @@ class Held(measures.Model):
             frames[name] = measures.frame(held.xmat, held.xpos)
         return frames
 
+    def floats(self, number: int) -> bool:
+        """Whether a joint leaves its body free."""
+        return int(self.model.jnt_type[number]) == int(self.mujoco.mjtJoint.mjJNT_FREE)
+
     def held_joint(self, number: int) -> dict[str, Any]:
         """A joint as MuJoCo has it; limits that make no sense, it has switched off."""
         model, types = self.model, self.mujoco.mjtJoint
@@ -199,8 +203,11 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
 def _report(held: Held, comparison: measures.Comparison) -> LoadReport:
     """Measure everything but the picture."""
     model = held.model
-    joints = [held.held_joint(number) for number in range(model.njnt)]
-    report = comparison.loaded(version("mujoco"), joints, held.held_bodies())
+    free = {at: model.body(int(model.jnt_bodyid[at])).name for at in range(model.njnt) if held.floats(at)}
+    joints = [held.held_joint(number) for number in range(model.njnt) if number not in free]
+    # It holds the root of a URDF.
+    others = [] if comparison.robot.root in comparison.robot.floating else comparison.floats(free.values())
+    report = comparison.loaded(version("mujoco"), joints, held.held_bodies(), others=others)
     joints = [{**joint, "velocity": None} for joint in joints]
     report = replace(report, joints=tuple(joints), **comparison.poses_of(held))
     if not joints:
@@ -278,7 +285,7 @@ def _follow(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any]
 
     mujoco, model = held.mujoco, held.model
     data, joints = mujoco.MjData(model), [joint for joint in comparison.robot.actuated_joints if joint.limits.effort]
-    places = _addresses(model, joints)
+    places, speeds = _addresses(model, joints), [int(model.joint(joint.name).dofadr[0]) for joint in joints]
     mujoco.mj_resetDataKeyframe(model, data, 0)
     start = data.qpos[places]
     target = np.array([stepped(joint, 1.0) for joint in joints])
@@ -288,7 +295,7 @@ def _follow(held: Held, comparison: measures.Comparison) -> tuple[dict[str, Any]
     for _ in range(round(FOLLOW_SECONDS / model.opt.timestep)):
         mujoco.mj_step(model, data)
         beyond = np.fmax(beyond, (data.qpos[places] - target) / (target - start))
-        speed = max(speed, float(np.abs(data.qvel).max()))
+        speed = max(speed, float(np.abs(data.qvel[speeds]).max()))
     errors, overshoot = np.abs(data.qpos[places] - target), float(beyond.max())
     if _has_begun_anew(mujoco, data):
         errors[:] = np.inf

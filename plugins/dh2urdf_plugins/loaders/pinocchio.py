@@ -37,17 +37,18 @@ say = Messages(__file__)
 MEASURED_JOINTS = 250
 """Largest number of joints of an arm that is put into a pose: Pinocchio's working memory holds four arrays of the cube
 of their number, here half a gigabyte."""
-_UNIVERSE = 0  # the joint that holds the root
 _WHOLE_TURNS = 2  # coordinates of a joint that turns without end: cosine and sine
 
 
 class Held(measures.Model):
     """What Pinocchio makes of a URDF."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, floats: bool = False) -> None:
         self.pinocchio: Any = sys.modules["pinocchio"]
-        self.model = self.pinocchio.buildModelFromUrdf(str(path))
-        self.joints = {name: number for number, name in enumerate(self.model.names) if number != _UNIVERSE}
+        root = [self.pinocchio.JointModelFreeFlyer()] if floats else []
+        self.model = self.pinocchio.buildModelFromUrdf(str(path), *root)
+        self.root = len(root)  # the number of the joint that holds the root
+        self.joints = {name: number for number, name in enumerate(self.model.names) if number > self.root}
         frames, body = enumerate(self.model.frames), self.pinocchio.FrameType.BODY
         self.numbers = {frame.name: number for number, frame in frames if frame.type == body}
 
@@ -110,12 +111,12 @@ def load(request: LoadRequest, _options: SimulatorOptions) -> LoadReport:
     """Load a URDF into Pinocchio and measure it."""
     robot, comparison = request.robot, measures.Comparison("Pinocchio", request)
     try:
-        held = Held(request.path.resolve())
+        held = Held(request.path.resolve(), floats=robot.root in robot.floating)
     except ValueError as error:  # The reason stands only in what the parser prints.
         raise LoaderError(comparison.placed(say("cannot-load", simulator="Pinocchio"))) from error
     joints = held.held_joints()
     carriers = {joint.child: held.joints.get(joint.name) for joint in robot.moving_joints}
-    bodies, written = held.held_bodies({**carriers, robot.root: _UNIVERSE}), measures.lumped_bodies(robot)
+    bodies, written = held.held_bodies({**carriers, robot.root: held.root}), measures.lumped_bodies(robot)
     lost = [link.name for link in robot.links if link.name not in held.numbers]
     report = comparison.loaded(version("pin"), joints, bodies, written, comparison.lost(lost))
     if len(joints) > MEASURED_JOINTS:

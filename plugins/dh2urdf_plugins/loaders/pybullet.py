@@ -183,26 +183,32 @@ def load(request: LoadRequest, options: PyBulletOptions) -> LoadReport:
 def _report(bullet: Any, request: LoadRequest) -> LoadReport:  # noqa: ANN401 - a module without type information
     """Measure everything."""
     robot, comparison = request.robot, measures.Comparison("PyBullet", request, _PRECISION)
+    floats = robot.root in robot.floating
     bullet.setPhysicsEngineParameter(
         enableFileCaching=0,  # Or a rewritten file would give the old arm again.
         constraintSolverType=bullet.CONSTRAINT_SOLVER_LCP_DANTZIG,
         globalCFM=SOFTNESS,
     )
     try:
-        body = bullet.loadURDF(str(request.path.resolve()), useFixedBase=True, flags=bullet.URDF_USE_INERTIA_FROM_FILE)
+        inertia = bullet.URDF_USE_INERTIA_FROM_FILE
+        body = bullet.loadURDF(str(request.path.resolve()), useFixedBase=not floats, flags=inertia)
     except bullet.error as error:
         raise LoaderError(comparison.placed(say("cannot-load", simulator="PyBullet"))) from error
     held = Held(body, robot.root)
-    # The root is the world's, and PyBullet makes it weightless.
-    written, bodies = {link.name: link.inertial or Inertial(mass=0.0) for link in robot.links[1:]}, held.held_bodies()
+    # A root that does not float is the world's, and PyBullet makes it weightless.
+    links, bodies = robot.links if floats else robot.links[1:], held.held_bodies()
+    written = {link.name: link.inertial or Inertial(mass=0.0) for link in links}
     # What is attached keeps frames without an inertial: PyBullet takes each for 1 kg.
-    bare = {link.name for link in robot.links[1:] if link.inertial is None and bodies[link.name].mass == 1.0}
+    bare = {link.name for link in links if link.inertial is None and bodies[link.name].mass == 1.0}
     joints = map(held.held_joint, held.moving)
     written = {name: inertial for name, inertial in written.items() if name not in bare}
     report = comparison.loaded(version("pybullet"), joints, bodies, written)
     if bare:
         heavy = say("pybullet-heavy-frames", count=len(bare), links=listed(sorted(bare)))
         report = replace(report, findings=(comparison.placed(heavy),))
+    if floats and not bodies[robot.root].mass:
+        still = comparison.placed(say("pybullet-holds-root", root=robot.root))
+        report = replace(report, findings=(*report.findings, still))
     if not _gives_poses(held):
         found = f"{len(held.moving)} moving joints, {len(held.links) - 1} links"
         accepted = "at most 121 moving joints, and 127 links without the root"

@@ -177,7 +177,9 @@ class _Reader(Elements):
             if self.is_active(joint)
         }
         joints = [replace(each, follows=followers.get(each.name)) for each in joints] if followers else joints
-        robot = Robot(name=root.get("model") or "MuJoCo Model", links=tuple(links), joints=tuple(joints))
+        free = [each.child for each in joints if each.parent == WORLD and self.loose.get(each.name) == "floating"]
+        name, floating = root.get("model") or "MuJoCo Model", tuple(free)
+        robot = Robot(name=name, links=tuple(links), joints=tuple(joints), floating=floating)
         return Model(robot, self.loose, self.unread, self.faulty, doubly)
 
     def _follower(self, joint: etree._Element) -> Follower:

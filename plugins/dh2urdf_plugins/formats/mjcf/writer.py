@@ -15,7 +15,7 @@ from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual, leader_of, with_followers
-from dh2urdf.rotations import ZERO
+from dh2urdf.rotations import ZERO, quaternion_from_rotation
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.servos import servos
@@ -101,7 +101,7 @@ class _Model:
                 raise refused(self._robot, "mujoco-link-world", joint)
             place = {"name": self._notation.name(link.name), **self._pose(joint.origin if joint else None)}
             # Whether a link is a mere frame on the one that holds it: flange and tool0.
-            moves = joint is not None and joint.type is not JointType.FIXED
+            moves = joint is not None and (joint.type is not JointType.FIXED or link.name in self._robot.floating)
             is_body = link.inertial is not None and link.inertial.mass > 0.0
             is_frame = joint is not None and not (moves or is_body or link.visuals or link.collisions)
             if is_frame and link.name not in self._holders:
@@ -120,10 +120,12 @@ class _Model:
                 mass = {"pos": numbers["com"], "mass": numbers["mass"], "fullinertia": tensor}
                 etree.SubElement(body, "inertial", mass)
             if moves and joint:
-                etree.SubElement(body, "joint", self._joint(joint))
+                etree.SubElement(body, *self._joint(joint))
             self._append_shapes(body, link)
 
-    def _joint(self, joint: Joint) -> dict[str, str]:
+    def _joint(self, joint: Joint) -> tuple[str, dict[str, str]]:
+        if joint.type is JointType.FIXED:  # Its child floats.
+            return "freejoint", {"name": self._notation.name(joint.name)}
         limits, numbers = joint.limits, self._notation.numbers
         attributes = {
             "name": self._notation.name(joint.name),
@@ -143,7 +145,7 @@ class _Model:
         for name, value in dynamics:
             if value is not None:
                 attributes[name] = numbers((value,))
-        return attributes
+        return "joint", attributes
 
     def _append_shapes(self, body: etree._Element, link: Link) -> None:
         numbers = self._notation.numbers
@@ -184,9 +186,8 @@ class _Model:
     def _neighbours(self) -> Iterator[tuple[str, str]]:
         """The pairs of bodies that meet at a moving joint: those that it joins, and solid ones fixed to these."""
         rigid = {link.name: link.name for link in self._robot.links}
-        for joint in self._robot.joints:
-            if joint.type is JointType.FIXED:
-                rigid[joint.child] = rigid[joint.parent]
+        for joint in self._robot.held_rigidly:
+            rigid[joint.child] = rigid[joint.parent]
         solid: dict[str, list[str]] = {}
         for link in self._robot.links:
             if link.collisions:
@@ -231,25 +232,42 @@ class _Model:
             etree.SubElement(actuators, self._actuators, {**attributes, "forcerange": force})
 
     def _append_home(self, root: etree._Element, world: etree._Element) -> None:
-        """Appends the pose in which the arm starts; the order of its numbers is that of joints and of actuators."""
+        """Appends the pose in which the arm starts; the order of its numbers is that of joints and of actuators.
+
+        What floats has seven of them: where it is, and a quaternion (w, x, y, z).
+        """
         start = {joint.name: initial_position(joint) for joint in self._robot.actuated_joints}
         values = with_followers(start, self._robot.followers)
-        home = {self._notation.name(name): value for name, value in values.items()}
+        home: dict[str, tuple[float, ...]] = {self._notation.name(name): (value,) for name, value in values.items()}
+        for link in self._robot.floating:
+            joint = self._joint_to[link]
+            *xyz, w = quaternion_from_rotation(joint.origin.transform.rotation)
+            home[self._notation.name(joint.name)] = (*joint.origin.xyz, w, *xyz)
         if not home:
             return
-        numbers = {"qpos": [home[joint.get("name", "")] for joint in world.iter("joint")]}
+        numbers = {
+            "qpos": [number for joint in world.iter("joint", "freejoint") for number in home[joint.get("name", "")]]
+        }
         if self._servos:
-            numbers["ctrl"] = [home[servo.get("name", "")] for servo in root.iterfind("actuator/position")]
+            servos = root.iterfind("actuator/position")
+            numbers["ctrl"] = [number for servo in servos for number in home[servo.get("name", "")]]
         texts = {name: self._notation.numbers(values) for name, values in numbers.items()}
         etree.SubElement(etree.SubElement(root, "keyframe"), "key", {"name": "home", **texts})
 
 
 def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:
-    """The links whose weight the servos carry: those that move, and that no joint without a servo lets fall."""
+    """The links whose weight the servos carry: those that move, and that nothing lets fall.
+
+    A joint without a servo does, and a base that floats.
+    """
     moved, limp, followers = set[str](), set[str](), robot.followers
     for joint in robot.joints:  # Parents before children.
         moves = joint.type is not JointType.FIXED
-        if joint.parent in limp or (moves and leader_of(joint.name, followers) not in servos):
+        if (
+            joint.parent in limp
+            or joint.child in robot.floating
+            or (moves and leader_of(joint.name, followers) not in servos)
+        ):
             limp.add(joint.child)
         elif moves or joint.parent in moved:
             moved.add(joint.child)

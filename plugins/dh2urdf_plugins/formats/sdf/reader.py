@@ -30,6 +30,7 @@ from dh2urdf_plugins.formats.sdf.elements import (
     Places,
     SdfElements,
     flatten,
+    is_true,
     leave_out_attached,
     modernise,
 )
@@ -112,7 +113,10 @@ class _Reader(SdfElements):
             links += [Link(name=joint.child) for joint in held[:-1]]
             links.append(self._link(element) if element.tag == "link" else Link(name=self.name(element)))
             joints += held
-        robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints))
+        is_static = is_true(self._model.findtext("static"))
+        free = [] if is_static else [self.name(each) for each in self._model.iterchildren("link")]
+        floating = tuple([name for name in free if name not in self._joint_to and name != WORLD])
+        robot = Robot(name=self.name(self._model), links=tuple(links), joints=tuple(joints), floating=floating)
         return Model(robot, self.loose, self.unread, self.faulty, self._doubly)
 
     # Frames

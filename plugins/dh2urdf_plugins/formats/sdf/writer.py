@@ -16,10 +16,12 @@ from lxml import etree
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.robot import Visual
 from dh2urdf.stages import EmittedFile
-from dh2urdf_plugins.base_bodies import with_base_bodies
+from dh2urdf_plugins.base_bodies import links_at_rest, with_base_bodies
 from dh2urdf_plugins.formats.urdf.writer import Notation, mimic, primitive, refused, serialise
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from dh2urdf.robot import Joint, Link, Origin, Robot
     from dh2urdf_plugins.formats.sdf import SdfOptions
 
@@ -47,10 +49,13 @@ class _Model:
         self._joint_to = {joint.child: joint for joint in robot.joints}
         # Of every link the body that it is or, where it has no mass, is fixed to: a link, or the model itself.
         self._carriers: dict[str, str] = {}
+        self._free = dict(self._free_bodies())
         for link in robot.links:  # Parents before children.
             joint = self._joint_to.get(link.name)
             held = joint is None or joint.type is JointType.FIXED
-            if link.inertial and link.inertial.mass:
+            if link.name in self._free:
+                self._carriers[link.name] = self._free[link.name]
+            elif link.inertial and link.inertial.mass:
                 if not held and set(self._carriers.values()) <= {MODEL}:
                     # The model's own frame, and with it base_link, would move with the first body.
                     raise refused(robot, "sdf-without-body-at-rest", joint)
@@ -61,12 +66,33 @@ class _Model:
                 raise refused(robot, "sdf-link-without-mass", joint, link=link.name)
         if set(self._carriers.values()) <= {MODEL}:
             raise refused(robot, "sdf-without-body")
-        self._first = next(name for name, carrier in self._carriers.items() if name == carrier)
+        # The frame of the model goes with a body: one that nothing moves, where there is one.
+        bodies = {*self._carriers.values()} - {MODEL}
+        still = bodies & links_at_rest(robot)
+        inner = [name for name, carrier in self._carriers.items() if carrier == MODEL and name != WORLD]
+        if inner and not still:
+            raise refused(robot, "sdf-without-body-at-rest", self._joint_to.get(inner[0]))
+        self._first = next(link.name for link in robot.links if link.name in (still or bodies))
+
+    def _free_bodies(self) -> Iterator[tuple[str, str]]:
+        """The links that float, each with the body that it is or, where it has no mass, is fixed to."""
+        rigid: dict[str, str] = {link: link for link in self._robot.floating}
+        for joint in self._robot.held_rigidly:  # Parents before children.
+            if joint.parent in rigid:
+                rigid[joint.child] = rigid[joint.parent]
+        bodies = [link.name for link in self._robot.links if link.inertial and link.inertial.mass]
+        for link in self._robot.floating:
+            body = next((name for name in bodies if rigid.get(name) == link), None)
+            if body is None:
+                raise refused(self._robot, "sdf-link-without-mass", self._joint_to[link], link=link)
+            yield link, body
 
     def tree(self) -> etree._Element:
         follow = any(joint.follows for joint in self._robot.joints)
         sdf = etree.Element("sdf", {"version": VERSION}, nsmap={"drake": DRAKE} if follow else None)
         model = etree.SubElement(sdf, "model", {"name": self._name(self._robot.name)})
+        if self._free:
+            model.set("canonical_link", self._first)
         bodies: dict[str, etree._Element] = {}
         for link in self._robot.links:
             joint, carrier = self._joint_to.get(link.name), self._carriers[link.name]
@@ -79,6 +105,7 @@ class _Model:
                     reference = _reference(joint.parent)
                     if carrier != MODEL:
                         frame.set("attached_to", carrier)
+                        reference = reference or MODEL
                     self._append_pose(frame, joint.origin, None if reference == carrier else reference)
         bodies[MODEL] = bodies[self._first]
         for link in self._robot.links:
@@ -100,6 +127,8 @@ class _Model:
 
     def _append_joint(self, model: etree._Element, link: Link, joint: Joint | None) -> None:
         """Appends the joint that holds a body; on the world none, where nothing is to hold it there."""
+        if link.name in self._free.values():
+            return
         parent = self._carriers[joint.parent] if joint else MODEL
         if parent == MODEL:
             if not self._fixed and link.name == self._first:

@@ -32,11 +32,12 @@ class UrdfOptions:
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """The URDF of a robot, as ``<stem>.urdf``."""
+    from dh2urdf.cells.floating import without_world
     from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, append_transmissions
     from dh2urdf_plugins.formats.urdf.writer import Notation, check_lines, serialise, urdf_tree
 
     notation, profile = Notation(options.version), PROFILES[options.profile]
-    robot = adapted(robot, profile)
+    robot = without_world(adapted(robot, profile))
     name, is_shared = notation.text(robot.name), profile.shared_materials
     root = urdf_tree(robot, name, notation, mujoco=profile.mujoco_element, shared_materials=is_shared)
     if profile.transmissions:
@@ -54,7 +55,7 @@ EMITTER = Emitter(
     emit=emit,
     capabilities=(
         Usual(),
-        ReadsBack(read_urdf),
+        ReadsBack(read_urdf, floats_by_root=True),
         ReadsForeign(foreign_urdf, can_attach=True),
         EmitsInColumns(Late(f"{__name__}.columns:emit_columns"), read_urdfs),
         *checks("inspection:inspect_urdf", "files:urdfs", "fixing:fixed", finds_packages=True),

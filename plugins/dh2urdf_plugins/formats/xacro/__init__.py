@@ -32,7 +32,7 @@ EMITTER = Emitter(
     options=XacroOptions,
     emit=Late(f"{__name__}.writer:xacro_files"),
     capabilities=(
-        ReadsBack(read_xacro, is_costly=True),
+        ReadsBack(read_xacro, is_costly=True, floats_by_root=True),
         ReadsForeign(foreign_xacro, has_macros=True, can_attach=True),
         OtherFiles(other_endings=("_macro.xacro", "_parts.xacro"), one_file=one_file),
         *checks("inspection:inspect_xacro", "files:xacros"),

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from dh2urdf.cells.floating import without_world
 from dh2urdf.errors import EmitterError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.meshes import has_meshes
@@ -144,7 +145,7 @@ def xacro_files(robot: Robot, stem: str, options: XacroOptions) -> tuple[Emitted
     """The macro of a robot and the file that calls it; the latter comes first, for it is the one to open."""
     notation, profile = XacroNotation(version=options.version), PROFILES[options.profile]
     single_file = options.single_file
-    robot = adapted(with_laden_kinds(robot), profile)
+    robot = without_world(adapted(with_laden_kinds(robot), profile))
     macros = macros_of(robot, stem)
     parts = PartMacros(robot, profile, options.version, macros)
     top = notation.robot(notation.text(robot.name), nsmap={"xacro": NAMESPACE})
@@ -223,7 +224,8 @@ def append_calls(
         etree.SubElement(call, "origin", {"xyz": "$(arg xyz)", "rpy": "$(arg rpy)"})
         return
     notation = XacroNotation()
-    etree.SubElement(top, "link", {"name": notation.text(robot.root)})
+    if robot.root not in robot.floating:  # What floats is a root itself.
+        etree.SubElement(top, "link", {"name": notation.text(robot.root)})
     roots: dict[str, Arm | Attachment] = {each.prefix + each.robot.root: each for each in robot.attachments}
     for arm in robot.arms:
         roots |= {arm.prefix + arm.kind.root: arm}
@@ -290,7 +292,7 @@ def _append_macro(parent: etree._Element, whole: Robot, name: str, profile: Prof
         for parameter in row:
             value = angle_text(parameter.value) if parameter.unit == "rad" else format_number(parameter.value)
             append_element(macro, "property", name=property_name(parameter), value=value)
-    append_mounting(macro, robot, notation)
+    append_mounting(macro, notation.name(robot.mounting), notation.name(robot.root))
     append_robot(macro, robot, notation, shared_materials=profile.shared_materials)
     if profile.transmissions:
         append_transmissions(macro, robot, notation)
@@ -312,13 +314,13 @@ def property_name(parameter: Parameter) -> str:
     return name
 
 
-def append_mounting(macro: etree._Element, robot: Robot, notation: XacroNotation) -> None:
-    """Appends the joint between the caller's link and the arm, which is written where there is a parent."""
+def append_mounting(macro: etree._Element, name: str, root: str) -> None:
+    """Appends the joint between the caller's link and a root, which is written where there is a parent."""
     condition = append_element(macro, "unless", value="${parent == ''}")
-    joint = etree.SubElement(condition, "joint", {"name": notation.name(robot.mounting), "type": "fixed"})
+    joint = etree.SubElement(condition, "joint", {"name": name, "type": "fixed"})
     append_element(joint, "insert_block", name="origin")
     etree.SubElement(joint, "parent", {"link": "${parent}"})
-    etree.SubElement(joint, "child", {"link": notation.name(robot.root)})
+    etree.SubElement(joint, "child", {"link": root})
 
 
 # --- What is attached -------------------------------------------------------------------------------------------------
@@ -377,12 +379,12 @@ class PartMacros:
     ) -> None:
         """Appends the call of an attachment of a robot, whose names are written as `name` has it."""
         root = attachment.prefix + attachment.robot.root
-        held = next(joint for joint in robot.joints if joint.child == root)
-        words = {"prefix": attachment.prefix, "parent": held.parent, "joint": held.name}
+        held = next((joint for joint in robot.joints if joint.child == root), None)
+        words = {"prefix": attachment.prefix, "parent": attachment.parent, "joint": held.name if held else ""}
         quoted = {word: f"'{name(text)}'" for word, text in words.items()}  # Of `01`, xacro would make 1.
         call = append_element(parent, self.macro_of(robot, attachment), **quoted)
-        notation = XacroNotation()
-        place = {"xyz": notation.numbers(held.origin.xyz), "rpy": notation.numbers(held.origin.rpy)}
+        notation, (xyz, rpy) = XacroNotation(), (attachment.placement.xyz, attachment.placement.rpy)
+        place = {"xyz": notation.numbers(xyz), "rpy": notation.numbers(rpy)}
         etree.SubElement(call, "origin", place)
 
     def library(self) -> etree._Element:
@@ -400,10 +402,7 @@ class PartMacros:
         """The name of the macro of an attachment."""
         notation, part = _PartNotation(attachment.prefix, self.version), part_of(robot, attachment)
         macro = etree.Element(f"{{{NAMESPACE}}}macro", {"name": "", "params": "prefix:='' parent joint:='' *origin"})
-        joint = etree.SubElement(macro, "joint", {"name": "${joint or prefix + 'joint'}", "type": "fixed"})
-        append_element(joint, "insert_block", name="origin")
-        etree.SubElement(joint, "parent", {"link": "${parent}"})
-        etree.SubElement(joint, "child", {"link": notation.name(part.root)})
+        append_mounting(macro, "${joint or prefix + 'joint'}", notation.name(part.root))
         # A material that other links of the robot have, too, is defined by them: a second definition is an error.
         own = {link.name for link in part.links}
         others = replace_unchecked(robot, links=tuple([link for link in robot.links if link.name not in own]))

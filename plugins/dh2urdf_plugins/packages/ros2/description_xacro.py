@@ -98,7 +98,7 @@ def macro_file(kind: Kind, package: str, parts: xacro.PartMacros) -> bytes:
             xacro.append_element(macro, "property", name=xacro.property_name(parameter), value=value)
     xacro.append_element(macro, "property", name="limits", value="${xacro.load_yaml(limits_file)['joint_limits']}")
     xacro.append_element(macro, "property", name="physical", value="${xacro.load_yaml(physical_file)}")
-    xacro.append_mounting(macro, robot, notation)
+    xacro.append_mounting(macro, notation.name(robot.mounting), notation.name(robot.root))
     append_robot(macro, robot, notation)
     for attachment in kind.robot.attachments:
         parts.append_call(macro, kind.robot, attachment, notation.name)

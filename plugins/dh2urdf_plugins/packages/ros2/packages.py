@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from lxml import etree
 
+from dh2urdf.cells.floating import without_world
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.meshes import copy_name, read_mesh, with_shapes
@@ -51,7 +52,8 @@ def packages_of(robot: Robot, stem: str, options: Ros2Options) -> tuple[EmittedF
     files.check_names(robot, prefixes=options.controlled or options.moveit)
     package = f"{name}_description"
     copies: dict[str, bytes] = {}
-    robot = _with_meshes(adapted(_with_base(with_laden_kinds(robot)), PROFILES["ros"]), package, copies)
+    robot = adapted(_with_base(with_laden_kinds(without_world(robot))), PROFILES["ros"])
+    robot = _with_meshes(robot, package, copies)
     contents = dict(_description(robot, _kinds(robot, name), name, package, options))
     contents.update(sorted(copies.items()))
     folders = {PurePosixPath(path).parts[0] for path in contents if "/" in path} - {"test"}
@@ -135,7 +137,7 @@ def _moveit(robot: Robot, name: str, package: str, options: Ros2Options) -> Iter
     yield "config/moveit.rviz", files.view("moveit.rviz", robot)
     # The launch files are named by the functions of `moveit_configs_utils.launches` that they call.
     launches = ["move_group", "moveit_rviz", "rsp", "setup_assistant"]
-    launches += ["static_virtual_joint_tfs"] if robot.root != WORLD else []
+    launches += ["static_virtual_joint_tfs"] if robot.root not in {WORLD, *robot.floating} else []
     for what in [*launches, *(("demo", "spawn_controllers") if controlled else ())]:
         launch = files.filled("moveit.launch.py", PACKAGE=package, NAME=name, WHAT=what)
         yield f"launch/{what}.launch.py", launch

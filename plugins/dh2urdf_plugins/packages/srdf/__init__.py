@@ -34,7 +34,9 @@ class SrdfOptions(PairOptions):
 
 def emit(robot: Robot, stem: str, options: SrdfOptions) -> tuple[EmittedFile]:
     """The SRDF of a robot, as ``<stem>.srdf``; it raises what `srdf` raises."""
-    return (EmittedFile(name=f"{stem}.srdf", content=srdf(robot, options, options.group)),)
+    from dh2urdf.cells.floating import without_world
+
+    return (EmittedFile(name=f"{stem}.srdf", content=srdf(without_world(robot), options, options.group)),)
 
 
 def srdf(robot: Robot, options: PairOptions, group: str) -> bytes:

@@ -180,7 +180,8 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
 
     if robot.root != WORLD:
         name = free_name("virtual_joint", {joint.name for joint in robot.joints})
-        append("virtual_joint", {"name": name, "type": "fixed", "parent_frame": WORLD, "child_link": robot.root})
+        kind = "floating" if robot.root in robot.floating else "fixed"
+        append("virtual_joint", {"name": name, "type": kind, "parent_frame": WORLD, "child_link": robot.root})
     for group in found.groups:
         element = append("group", {"name": group.name})
         for tag, words in group.members:

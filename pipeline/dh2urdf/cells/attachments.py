@@ -100,7 +100,7 @@ def attachment_of(found: ForeignRobot, path: Path, call: AttachmentCall) -> tupl
     robot, start = _without_world(found.robot, call.root)
     if start is not None:
         notices.append(say("attached-world-left-out", Mark(file=str(path)), child=robot.links[0].name))
-    robot = _in_order(_hung_by(robot, call.root or robot.root, path))
+    robot = _in_order(_hung_by(robot, call.root, path) if call.root else robot)
     robot = _with_files(robot, found, path, call, notices)
     robot = replace(robot, links=tuple(_bodies(robot, path, notices, repairs=call.repairs)))
     joints = tuple([_as_readers_have_it(joint) for joint in robot.joints])

@@ -89,7 +89,8 @@ def _changed(robot: Robot, written: Robot) -> Iterator[Problem]:
             about: dict[str, Any] = {"name": each.name, "link": found.name}
             if not _same_body(link.inertial, found.inertial):
                 yield say("attached-mass-changed", **about)
-            if len(found.shapes) < len(link.shapes):
+            # SDF and MJCF have the shapes of a frame without mass on the body that holds it.
+            if link.inertial and link.inertial.mass and len(found.shapes) < len(link.shapes):
                 yield say("attached-shapes-lost", wanted=len(link.shapes), count=len(found.shapes), **about)
 
 

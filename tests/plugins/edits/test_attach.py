@@ -20,7 +20,7 @@ from dh2urdf.errors import InputError, ProofError
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.robot import Follower, Robot
+from dh2urdf.robot import Box, Follower, Robot
 from dh2urdf_plugins.formats import read_mjcf, read_sdf, read_urdf, read_xacro
 
 HAND = two_fingers.HAND.read_text("utf-8")
@@ -327,3 +327,18 @@ def test_a_changed_mesh_makes_the_arm_anew(tmp_path: Path) -> None:
         dh2urdf.run(tmp_path / "run.yaml", resume=True)
         written.append((tmp_path / "out" / "arm.urdf").stat().st_mtime_ns)
     assert written[0] == written[1] < written[2]
+
+
+def test_links_of_a_file_have_any_order(convert: Callable[..., tuple[Path, Robot]]) -> None:
+    """The root is the link that nothing holds, and a frame without mass may have a shape."""
+    box = "<visual><geometry><box size='1 1 1'/></geometry></visual>"
+    held = "<joint name='j' type='fixed'><parent link='palm'/><child link='eye'/></joint>"
+    hand = f"<robot name='h'><link name='eye'>{box}</link><link name='palm'/>{held}</robot>"
+    for suffix in READERS:
+        (shape,) = [
+            shape
+            for link in convert(suffix, hand)[1].links
+            for shape in link.visuals
+            if shape.geometry == Box(size=(1.0, 1.0, 1.0))
+        ]
+        assert shape

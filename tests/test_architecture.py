@@ -355,7 +355,7 @@ def test_modules_say_what_they_are() -> None:
 BUDGETS = {
     "pipeline/dh2urdf": 4310,
     "pipeline/dh2urdf/cells": 1120,
-    "pipeline/dh2urdf/cli": 1750,
+    "pipeline/dh2urdf/cli": 1760,
     "pipeline/dh2urdf/commands": 1450,
     "pipeline/dh2urdf/conversion": 1510,
     "pipeline/dh2urdf/documents": 990,
@@ -372,7 +372,7 @@ BUDGETS = {
     "pipeline/dh2urdf/running": 1050,
     "pipeline/dh2urdf/scaffold": 210,
     "pipeline/dh2urdf/stages": 1050,
-    "pipeline/dh2urdf/table_text": 390,
+    "pipeline/dh2urdf/table_text": 410,
     "pipeline/dh2urdf/tasks": 690,
     "pipeline/dh2urdf/testing": 1640,
     "pipeline/dh2urdf/variations": 1060,

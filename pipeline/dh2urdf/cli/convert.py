@@ -82,11 +82,11 @@ def command(
     files = _files_of(tables, target, format_name, installed) if are_several else {tables[0]: target}
     chosen = {name: flags[name] for name in ("robot", "transform", "settings", "edits", "meshes", "convert_meshes")}
     chosen |= {"formats": (format_name,) if format_name else (), "given": shared.given_options(flags)}
+    inputs = shared.files_behind(tables)
     plans: dict[Path, partial[Conversion] | InputError] = {}
     for table, file in files.items():  # Nothing is written before a wrong word is found.
         try:
             path, reader = shared.given_table(table, reader_name, installed)
-            inputs = shared.files_behind(tables)
             plans[table] = plan_conversion(path, file, COMMAND_LINE, installed, reader=reader, inputs=inputs, **chosen)
         except InputError as error:
             if not are_several or isinstance(error, (ConfigError, UnknownStageError)):

@@ -42,14 +42,13 @@ from dh2urdf.stages import (
     WritesFolders,
     WritesTables,
 )
-from dh2urdf.table_text import WrittenTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from dh2urdf.kinematics.expected_poses import ExpectedPoses, Poses
     from dh2urdf.stages import Loader  # noqa: TC004 - the type of a field, which nobody asks for
-    from dh2urdf.table_text import TableText, Trace
+    from dh2urdf.table_text import TableText, Trace, WrittenTable
 
 say = Messages(__file__)
 
@@ -287,7 +286,7 @@ def emit_robot(
                 read = with_world(robot, read)
                 prove_floating(robot, read)
             proof = _proof(expected, robot, read, call, poses, recipe, at_once=at_once)
-            if not reads.of_tables:
+            if robot.attachments and not reads.of_tables:
                 prove_attachments(robot, read)
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)
@@ -482,6 +481,8 @@ def in_format(tables: Sequence[TableText], call: Call[Reader[Any]]) -> WrittenTa
     Raises:
         InputError: the reader only reads, or a file of its format cannot hold several such tables.
     """
+    from dh2urdf.table_text import WrittenTable
+
     writes = call.stage.can(WritesTables)
     if writes is None:
         raise InputError(say("reader-only-reads", reader=call.stage.name))

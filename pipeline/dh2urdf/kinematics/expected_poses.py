@@ -47,11 +47,6 @@ class Stretch(NamedTuple):
     placement: RigidTransform = IDENTITY  # the arm's root link in what holds it
 
     @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of its moving joints in the robot, in order."""
-        return tuple(self.prefix + row.joint for row in self.manipulator.moving_rows)
-
-    @property
     def leading(self) -> tuple[str, ...]:
         """Names of the joints in the robot that decide where these are: one of them may be behind the last row."""
         laws, names = self.manipulator.followers, [row.joint for row in self.manipulator.actuated_rows]
@@ -76,7 +71,7 @@ class Tip:
     @property
     def joints(self) -> tuple[str, ...]:
         """The moving joints on the way, from the root outwards."""
-        return tuple(name for stretch in self.way for name in stretch.joints)
+        return tuple([each.prefix + row.joint for each in self.way for row in each.manipulator.moving_rows])
 
     def compiled(self) -> CompiledChain:
         """The way to it, as moves and turns, at joint vectors of the robot: the product of the DH products."""

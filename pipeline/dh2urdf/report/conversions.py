@@ -74,7 +74,7 @@ def filled_in(manipulator: Manipulator, robot: Robot, untyped: Sequence[str] = (
 def closing_line(conversion: Conversion, place: str) -> str:
     """One line about a conversion to a place: the arm, its joints, the proof, and what was filled in."""
     manipulator, robot = conversion.manipulator, conversion.robot
-    proofs = [proof for proof in conversion.proofs.values() if proof]
+    proofs = [written.proof for written in conversion.written if written.proof]
     proved = "not proved: the format cannot be read back"
     if proofs:
         worst = max(proofs, key=attrgetter("position_error", "angle_error"))

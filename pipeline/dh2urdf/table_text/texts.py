@@ -13,13 +13,14 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import RATES, UNITS, Dimension, Unit, unit_word
 from dh2urdf.rotations import NEARLY_UPRIGHT, RigidTransform, Vec3, turned_over
-from dh2urdf.table_text import FIELDS, MESHES, TableText
+from dh2urdf.table_text import FIELDS, MESHES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
     from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
+    from dh2urdf.table_text import TableText
 
 _FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, *RATES)
 """What the units of lengths and angles hold for."""
@@ -41,6 +42,8 @@ def table_text(
         folder: that of the file that the table is for, from which the paths of its meshes lead; they are as the
             manipulator has them where it is None, or shares no folder with a mesh but the root of all.
     """
+    from dh2urdf.table_text import TableText
+
     length, angle = UNITS[length_unit], UNITS[angle_unit]
     # A column of links has a name in every row.
     has_links = any(row.link != f"link_{number}" for number, row in enumerate(manipulator.rows, start=1))

@@ -142,6 +142,16 @@ def test_it_is_held_by_another_link(convert: Callable[..., tuple[Path, Robot]]) 
     assert {joint.name: joint.parent for joint in robot.joints}["hand_fixed"] == "hand_tool0"
 
 
+def test_the_joint_that_holds_it_takes_no_name(tmp_path: Path) -> None:
+    """Neither one of the arm nor one of the hand with its prefix."""
+    (tmp_path / "hand.urdf").write_text(HAND.replace('name="fixed"', 'name="joint_"'), "utf-8")
+    edit = {"attach": {"file": str(tmp_path / "hand.urdf"), "name": "hand"}}
+    robot = dh2urdf.convert(dh2urdf.read(TABLE.replace("one,", "hand_joint,")), edits=[edit]).robot
+    names = [joint.name for joint in robot.joints]
+    assert len({*names}) == len(names)
+    assert {"hand_joint", "hand_joint_"} <= {*names}
+
+
 def faulty(robot: Robot, **changes: Any) -> Robot:
     """A robot whose joint or link of the hand was written otherwise."""
     kind, name, new = changes["kind"], changes["name"], changes["new"]

@@ -2,6 +2,7 @@ import io
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +15,24 @@ from dh2urdf_studio.editing import edits, save
 from dh2urdf_studio.editing.opening import gallery, gallery_table, tables_of
 from dh2urdf_studio.editing.reading import read_whole
 
-EXHIBITS = list(gallery())
 
-
-@pytest.mark.parametrize("variant", ["exact", "paper"])
-@pytest.mark.parametrize("form", ["csv", "yaml"])
-@pytest.mark.parametrize("robot", ["urdf", "xacro"])
+@pytest.mark.parametrize(
+    ("file", "variant", "form", "robot"),
+    [
+        *(("ur5_paper.csv", *case) for case in product(("exact", "paper"), ("csv", "yaml"), ("urdf", "xacro"))),
+        *((file, "exact", "csv", "urdf") for file in gallery()),
+    ],
+)
 def test_files_are_those_of_convert(
-    catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, *, variant: str, form: str, robot: str
+    catalog: Catalog, cli: Callable[..., Any], tmp_path: Path, *, file: str, variant: str, form: str, robot: str
 ) -> None:
-    """Byte by byte what `dh2urdf convert` makes of the saved table, in whichever format it was saved."""
-    table = gallery_table("ur5_paper.csv", catalog)
+    """Byte by byte what `dh2urdf convert` makes of the saved table, of every arm of the gallery, saved in either format."""
+    table = gallery_table(file, catalog)
     saved = save.table_file(table, form, catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
     made = save.saved(table, "robot", robot, variant, catalog)
+    assert made.proof is not None
+    assert made.proof.holds is (variant == "exact")
     answer = cli("convert", saved.name, "--to", robot, "--variant", variant)
     assert made.content == answer.stdout.encode()
 
@@ -41,18 +46,6 @@ def test_decimal_commas_are_saved(catalog: Catalog, cli: Callable[..., Any], tmp
     saved = save.table_file(table, form, catalog)
     (tmp_path / saved.name).write_bytes(saved.content)
     assert save.saved(table, "robot", "urdf", "exact", catalog).content == cli("convert", saved.name).stdout.encode()
-
-
-@pytest.mark.parametrize("file", EXHIBITS)
-def test_the_gallery_is_converted_alike(file: str, catalog: Catalog, cli: Callable[..., Any], tmp_path: Path) -> None:
-    """The URDF of every arm of the gallery is that of its table, opened and saved again or not."""
-    table = gallery_table(file, catalog)
-    saved = save.table_file(table, "csv", catalog)
-    (tmp_path / saved.name).write_bytes(saved.content)
-    made = save.saved(table, "robot", "urdf", "exact", catalog)
-    assert made.proof is not None
-    assert made.proof.holds
-    assert made.content == cli("convert", saved.name).stdout.encode()
 
 
 @pytest.mark.long

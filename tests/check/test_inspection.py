@@ -1,11 +1,8 @@
 """Reading what strangers wrote: nothing crashes, nothing hangs, and what is read is what is there."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from faulty_files import SOUND
@@ -17,13 +14,10 @@ from dh2urdf.source import Mark
 from dh2urdf_check.document import DEEPEST, NotXmlError, parse
 from dh2urdf_check.inspection import inspect_urdf, inspect_xacro
 from dh2urdf_check.numbers import numbers_of
-from dh2urdf_plugins.formats.urdf import EMITTER
+from dh2urdf_plugins.formats.urdf import EMITTER, ProfileName
 from dh2urdf_plugins.transforms.alpha_swap import TRANSFORM
 from dh2urdf_plugins.xacro_fence import expansion
 from reference_arms import ReferenceRobot
-
-if TYPE_CHECKING:
-    from dh2urdf_plugins.formats.urdf import ProfileName
 
 EXPECTED = {
     "root-without-inertial",

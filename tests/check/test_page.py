@@ -1,12 +1,9 @@
 """The pages in docs/rules have what the tables of rules have. `pytest --renew` writes them again."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from faulty_files import PROOFS, UNPROVED
@@ -17,10 +14,7 @@ from dh2urdf_check.ask.findings import seen_rules
 from dh2urdf_check.command import command
 from dh2urdf_check.inspection import MODEL_CONSUMERS, inspect_urdf, model_rules
 from dh2urdf_check.packages import CONSUMERS as PACKAGE_CONSUMERS, package_rules
-from dh2urdf_check.rules import CONSUMERS, GROUPS, rules_of
-
-if TYPE_CHECKING:
-    from dh2urdf_check.rules import Rule
+from dh2urdf_check.rules import CONSUMERS, GROUPS, Rule, rules_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "check.md"

@@ -1,7 +1,5 @@
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +10,8 @@ from dh2urdf.kinematics import CompiledChain
 from dh2urdf.kinematics.walk import values_of
 from dh2urdf.rotations import RigidTransform
 
-if TYPE_CHECKING:
-    Way = tuple[str, Any]
-    """What is added to a chain, and its numbers."""
+Way = tuple[str, Any]
+"""What is added to a chain, and its numbers."""
 
 JOINTS = 3
 HALF_PI = math.pi / 2

@@ -1,8 +1,5 @@
-from __future__ import annotations
-
 import math
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,10 +9,7 @@ from dh2urdf.kinematics import KinematicChain
 from dh2urdf.kinematics.chain import as_matrices
 from dh2urdf.manipulator import JointType, Limits
 from dh2urdf.robot import Box, Joint, Link, Origin, Robot, Visual
-from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, HEIGHT, WIDTH, best_view
-
-if TYPE_CHECKING:
-    from dh2urdf_plugins.loaders.viewpoint import Frames, JointVector, View
+from dh2urdf_plugins.loaders.viewpoint import FIELD_OF_VIEW, HEIGHT, WIDTH, Frames, JointVector, View, best_view
 
 LIMITS = Limits(lower=-2.0, upper=2.0)
 BAR = (0.5, 0.1, 0.1)

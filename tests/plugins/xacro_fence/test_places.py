@@ -1,20 +1,15 @@
 """Every element of an expanded xacro is found at its place in the sources, and so is every call of a macro."""
 
-from __future__ import annotations
-
 import re
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from lxml import etree
 
 from dh2urdf.errors import ProofError
 from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-if TYPE_CHECKING:
-    from dh2urdf_plugins.xacro_fence.places import Place
+from dh2urdf_plugins.xacro_fence.places import Place
 
 ROBOT = '<?xml version="1.0"?>\n<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">\n{}\n</robot>\n'
 ARM = """

@@ -1,13 +1,10 @@
 """Descriptions with their mesh files, as a browser sends them; laid upon the arm of a table; and their numbers in it."""
 
-from __future__ import annotations
-
 import io
 import math
 import zipfile
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,15 +13,12 @@ import dh2urdf_studio
 from dh2urdf.errors import InputError
 from dh2urdf.plugin_system import Catalog
 from dh2urdf.table_text import TableText
-from dh2urdf_studio.drawing.scene import Drawing
+from dh2urdf_studio.drawing.scene import Drawing, Figure
 from dh2urdf_studio.editing import comparing
 from dh2urdf_studio.editing.comparing import NAME, GivenFiles, adopted, changed_cells, own_table
 from dh2urdf_studio.editing.edits import with_cells
 from dh2urdf_studio.editing.opening import gallery_table, open_tables
 from dh2urdf_studio.editing.session import Session
-
-if TYPE_CHECKING:
-    from dh2urdf_studio.drawing.scene import Figure
 
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 SHAPE = '<visual><geometry><mesh filename="{}"/></geometry></visual>'

@@ -37,6 +37,7 @@ from dh2urdf.manipulator import JointType, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.robot import Material
 from dh2urdf.rotations import IDENTITY
+from dh2urdf.table_text.texts import law_text
 from reference_arms import ReferenceRobot, load_reference_robots
 
 R = TypeVar("R", pytest.TestReport, pytest.CollectReport)
@@ -458,7 +459,7 @@ def _as_table(manipulator: Manipulator, form: str, *, units: tuple[str, str] = (
         cells |= {"a": row.a * length, "alpha": row.alpha * angle, "d": row.d * length, "theta": row.theta * angle}
         if row.type is not JointType.FIXED:
             cells |= {"offset": row.offset * variable, "sign": row.sign}
-        cells |= {"follows": row.follows.text(repr(row.follows.offset * variable))} if row.follows else {}
+        cells |= {"follows": law_text(row.follows, repr(row.follows.offset * variable))} if row.follows else {}
         if row.limits.lower is not None and row.limits.upper is not None:
             cells |= {"lower": row.limits.lower * variable, "upper": row.limits.upper * variable}
         if row.mass is not None and row.com is not None and row.inertia is not None:

@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.errors import RecordValueError
 from dh2urdf.fields import ExactRecord, Record, function_of, refuse, unchecked
-from dh2urdf.quantities.number_text import format_number
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3
 from dh2urdf.shapes import (
     Inertia,
@@ -97,6 +95,8 @@ class JointType(StrEnum):
     FIXED = "fixed"
 
 
+_POWERS = 4
+"""The highest power of a leader's value in a law, as of MJCF's `polycoef`."""
 JOINT_TYPES = {kind.value: kind for kind in JointType}
 """The types of joints by their words."""
 
@@ -117,14 +117,19 @@ class Follower(NamedTuple):
     higher: tuple[float, ...] = ()
 
     @property
-    def is_finite(self) -> bool:
-        """Whether all numbers are finite."""
-        return all(map(math.isfinite, (self.multiplier, self.offset, *self.higher)))
+    def is_sound(self) -> bool:
+        """Whether all numbers are finite, and the powers are those that MJCF has."""
+        return len(self.higher) < _POWERS and all(map(math.isfinite, self.factors))
 
     @property
     def is_held(self) -> bool:
         """Whether the joint keeps one value, and follows none."""
-        return not self.leader and self.multiplier == 0.0 and self.is_finite
+        return not self.leader and not any(self.factors[1:]) and self.is_sound
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """The factors of the powers of the leader's value, from its power 0: the offset comes first."""
+        return (self.offset, self.multiplier, *self.higher)
 
     def value(self, leading: float) -> float:
         """The value of the joint where the leader has the one given [rad or m]."""
@@ -134,20 +139,17 @@ class Follower(NamedTuple):
         return (self.multiplier + powers) * leading + self.offset
 
     def behind(self, leader: Follower) -> Follower:
-        """The law by which the joint follows the leader of its leader; both laws are linear, or it is this one.
-
-        A law that holds its leader at one value holds the joint, too.
-        """
-        if self.higher or leader.higher:
-            return self
-        offset = self.offset + self.multiplier * leader.offset
-        return Follower(leader.leader, self.multiplier * leader.multiplier, offset)
-
-    def text(self, offset: str) -> str:
-        """The law as tables write it, ``-j2`` or ``0.5 * j2 + pi/2``, given the text of its offset."""
-        factor = {1.0: "", -1.0: "-"}.get(self.multiplier, f"{format_number(self.multiplier)} * ")
-        added = f" - {offset[1:]}" if offset.startswith("-") else f" + {offset}"
-        return f"{factor}{self.leader}{added if self.offset else ''}"
+        """The law by which the joint follows the leader of its leader: the polynomial of a polynomial."""
+        inner, whole = leader.factors, [0.0]
+        for factor in reversed(self.factors):  # Horner's rule
+            product = [0.0] * (len(whole) + len(inner) - 1)
+            for power, one in enumerate(whole):
+                for more, other in enumerate(inner):
+                    product[power + more] += one * other
+            whole = [product[0] + factor, *product[1:]]
+        while len(whole) > 2 and not whole[-1]:  # noqa: PLR2004 - offset and multiplier stay
+            whole.pop()
+        return Follower(leader.leader, whole[1], whole[0], tuple(whole[2:]))
 
     def rate(self, leading: float) -> float:
         """How fast the joint moves for each rad or m of the leader, at a value of that."""
@@ -239,7 +241,7 @@ class DHRow(ExactRecord):
                     refuse(self, name, "fixed-joint-moves", value, name=name, allowed=allowed)
             if self.follows:
                 refuse(self, "follows", "fixed-joint-follows", self.follows.leader)
-        if self.follows and (self.follows.higher or not self.follows.is_finite):
+        if self.follows and (self.follows.higher or not self.follows.is_sound):
             refuse(self, "follows", "law-not-linear", str(tuple(self.follows)))
         lower, upper = self.limits.lower, self.limits.upper
         if lower is not None and upper is not None and lower > upper:
@@ -467,15 +469,18 @@ class Manipulator(ExactRecord):
 
 
 def whole_laws(followers: Mapping[str, Follower]) -> dict[str, Follower]:
-    """The linear laws of followers, each referred to the joint at the end of its leaders, which follows none."""
+    """The laws of followers, each referred to the joint at the end of its leaders, which follows none.
+
+    Left out are those that come to no end, and those whose laws are not sound.
+    """
     whole: dict[str, Follower] = {}
-    for name in followers:
-        way = [name]
-        while way[-1] in followers and way[-1] not in whole:
-            way.append(followers[way[-1]].leader)
-        for each, leader in reversed([*pairwise(way)]):
-            law = followers[each]
-            whole[each] = law.behind(whole[leader]) if leader in whole else law
+    for name, law in followers.items():
+        met = {name}
+        while law.is_sound and law.leader in followers and law.leader not in met:
+            met.add(law.leader)
+            law = law.behind(whole.get(law.leader, followers[law.leader]))  # noqa: PLW2901 - on the way to the end
+        if law.is_sound and law.leader not in followers:
+            whole[name] = law
     return whole
 
 

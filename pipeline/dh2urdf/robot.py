@@ -13,10 +13,10 @@ other robot; `Robot.arms` says besides of which arms it is composed, for emitter
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from dh2urdf.fields import Record, function_of, unchecked
-from dh2urdf.manipulator import Follower, Inertia, JointType, Limits, Manipulator
+from dh2urdf.manipulator import Follower, Inertia, JointType, Limits, Manipulator, whole_laws
 from dh2urdf.rotations import Z_AXIS, ZERO, Vec3, total
 from dh2urdf.shapes import (
     Box,
@@ -62,8 +62,7 @@ __all__ = [
     "Robot",
     "Sphere",
     "Visual",
-    "following",
-    "leader_of",
+    "followers_of",
     "new_collision",
     "new_inertial",
     "new_joint",
@@ -245,10 +244,8 @@ class Robot(Record):
 
     @property
     def followers(self) -> dict[str, Follower]:
-        """The joints that follow another one, by name, and how."""
-        if not (given := {joint.name: joint.follows for joint in self.joints if joint.follows}):
-            return {}
-        return following(given, [joint.name for joint in self.moving_joints])
+        """The joints that can follow another one, by name, and how they follow the one that moves by itself."""
+        return followers_of(self.moving_joints)
 
     @property
     def actuated_joints(self) -> tuple[Joint, ...]:
@@ -361,31 +358,14 @@ class Robot(Record):
         return function_of("report.notebook.robot_html")(self)
 
 
-def following(followers: Mapping[str, Follower], joints: Iterable[str]) -> dict[str, Follower]:
-    """The followers that can follow: what they lead back to is one of some moving joints, which follows none.
+def followers_of(moving: Iterable[Joint]) -> dict[str, Follower]:
+    """How those of some moving joints that can follow another one follow the one at the end of their leaders.
 
     A joint that keeps one value follows without a leader.
-
-    Args:
-        followers: the joints that follow another one, by name.
-        joints: the names of the moving joints.
     """
-    moving = dict.fromkeys(joints)
-    found: dict[str, Follower] = {}
-    for name in (name for name in moving if name in followers):  # In the order of the joints, from every process.
-        way = [name]
-        while (follower := followers.get(way[-1])) and follower.is_finite and follower.leader in moving.keys() - way:
-            way.append(follower.leader)
-        if follower is None or follower.is_held:
-            found[name] = followers[name]
-    return found
-
-
-def leader_of(joint: str, followers: Mapping[str, Follower]) -> str:
-    """Name of the joint that decides the value of another one: itself, or what it follows; empty where it is held."""
-    while follower := followers.get(joint):
-        joint = follower.leader
-    return joint
+    laws = {joint.name: joint.follows for joint in moving}
+    whole = whole_laws({name: law for name, law in laws.items() if law})
+    return {name: law for name, law in whole.items() if law.is_held or law.leader in laws}
 
 
 def with_followers(values: Mapping[str, V], followers: Mapping[str, Follower]) -> dict[str, V | float]:
@@ -394,19 +374,12 @@ def with_followers(values: Mapping[str, V], followers: Mapping[str, Follower]) -
     Args:
         values: by the name of the joint [rad or m], each a float or an array; a tuple, such as an orientation, is
             passed on as it is.
-        followers: joints that can follow, by name: those of `following`. What is in `values` of them does not count.
+        followers: the joints that follow, as `Robot.followers` has them. What is in `values` of them does not count.
     """
-    every: dict[str, V | float] = {name: value for name, value in values.items() if name not in followers}
-    for name in followers:
-        way = [name]
-        while way[-1] and way[-1] not in every:
-            way.append(followers[way[-1]].leader)
-        leader = way.pop()
-        value: V | float = every[leader] if leader else 0.0
-        for each in reversed(way):
-            if not isinstance(value, tuple):
-                value = followers[each].value(value)  # type: ignore[arg-type]  # a number or an array
-            every[each] = value
+    every: dict[str, Any] = {name: value for name, value in values.items() if name not in followers}
+    for name, law in followers.items():
+        leading = every[law.leader] if law.leader else 0.0
+        every[name] = leading if isinstance(leading, tuple) else law.value(leading)
     return every
 
 

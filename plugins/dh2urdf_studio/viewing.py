@@ -100,8 +100,7 @@ def description(path: Path, catalog: Catalog, expansion: Expansion | None = None
     found = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
     # Simulators make axes of the length 1, of any length but 0.
     unit_axes = (replace(each, axis=scale(1.0 / (norm(each.axis) or 1.0), each.axis)) for each in found.robot.joints)
-    led = (replace(each, follows=found.followers.get(each.name, each.follows)) for each in unit_axes)
-    robot = replace(found.robot, joints=tuple(led))
+    robot = replace(found.robot, joints=tuple(unit_axes))
     packages = with_its_own(path, packages_in(expansion.package_paths if expansion else ()))
     find = mesh_finder(found.folder or path.resolve().parent, packages)
     addresses = dict.fromkeys(mesh.filename for mesh in meshes_of(robot))

@@ -20,10 +20,10 @@ from dh2urdf.documents import is_folder, lost_references
 from dh2urdf.errors import ConfigError, InputError, RobotError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
-from dh2urdf.manipulator import TOOL, WORLD, JointType, whole_laws
+from dh2urdf.manipulator import TOOL, WORLD, JointType
 from dh2urdf.meshes.addresses import mesh_finder, packages_in, with_its_own
 from dh2urdf.meshes.files import find_mesh
-from dh2urdf.robot import WEIGHTLESS, Attachment, Joint, Link, Mesh, Origin, Robot, following
+from dh2urdf.robot import WEIGHTLESS, Attachment, Joint, Link, Mesh, Origin, Robot
 from dh2urdf.rotations import mapped, norm, scale
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, free_name, listed
 
@@ -163,8 +163,8 @@ def _joint_problems(joint: Joint, found: ForeignRobot, links: list[str]) -> Iter
             yield say("attached-joint-of-no-link", joint=name, end=end, found=link, suggestion=near)
     if joint.type is not JointType.FIXED and not norm(joint.axis):
         yield say("attached-axis-0", joint=name)
-    if name in moving and name in found.followers and name not in following(found.followers, moving):
-        leader = found.followers[name].leader
+    if joint.follows and name in moving and name not in found.robot.followers:
+        leader = joint.follows.leader
         yield say("attached-leader", joint=name, found=leader, suggestion=did_you_mean(leader, moving))
 
 
@@ -383,7 +383,7 @@ def _carrying(robot: Robot, attachment: Attachment) -> list[Joint]:
             loads[joint.name] = mass if joint.type is JointType.PRISMATIC else moment
         moment = moment + mass * (norm(joint.origin.xyz) + _travel(joint))
         link = joint.parent
-    for name, law in whole_laws(robot.followers).items():  # a leader bears what its followers do, too
+    for name, law in robot.followers.items():  # a leader bears what its followers do, too
         if name in loads:
             loads[law.leader] = loads.get(law.leader, 0.0) + abs(law.multiplier) * loads[name]
     efforts = {

@@ -15,12 +15,11 @@ from dh2urdf.cells.attachments import attached, prefixed_joint, prefixed_link
 from dh2urdf.columns import ManipulatorGroups, RowField
 from dh2urdf.errors import RobotError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.kinematics.chain import KinematicChain, forward_kinematics, joints_between
+from dh2urdf.kinematics.chain import dh_frames, joints_between, link_poses
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, Stretch, Tip
 from dh2urdf.manipulator import TOOL, WORLD, JointType, Manipulator
 from dh2urdf.quantities import Dimension
 from dh2urdf.robot import WEIGHTLESS, Arm, Attachment, Collision, Joint, Link, Origin, Robot, Visual
-from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.stages import Rejected
 from dh2urdf.variations.laws import Law
@@ -333,15 +332,13 @@ def _up_to(link: str, table: Manipulator, robot: Robot) -> Manipulator:
     """An arm's table as far as one of its links, which stands where its tool would.
 
     A table knows DH frames and tool0, not where a transform puts the frames of links. But a link moves as the DH frame
-    of its row does; how it is in that frame is seen where all joint values are 0.
+    of its row does; how it is in that frame is seen where the values of all joints that move by themselves are 0.
     """
     if link == TOOL:
         return table
-    chain = KinematicChain.of(joints_between(robot, robot.root, link))
-    moving = sum(joint.type is not JointType.FIXED for joint in chain.joints)
+    moving = sum(joint.type is not JointType.FIXED for joint in joints_between(robot, robot.root, link))
     numbers = [number for number, row in enumerate(table.rows, start=1) if row.type is not JointType.FIXED]
-    rows, zero = table.rows[: numbers[moving - 1]] if moving else (), [0.0] * moving
-    free = tuple(replace_unchecked(row, follows=None) for row in rows)
-    frame = forward_kinematics(replace_unchecked(table, rows=free, tool=IDENTITY), zero)
-    rows = tuple(replace_unchecked(row, follows=table.followers.get(row.joint)) for row in rows)
-    return replace_unchecked(table, rows=rows, tool=frame.inverse @ chain.forward_kinematics(zero))
+    count, followers = numbers[moving - 1] if moving else 0, table.followers
+    frame = dh_frames(table, [0.0] * len(table.actuated_rows))[count]
+    rows = tuple(replace_unchecked(row, follows=followers.get(row.joint)) for row in table.rows[:count])
+    return replace_unchecked(table, rows=rows, tool=frame.inverse @ link_poses(robot, {})[link])

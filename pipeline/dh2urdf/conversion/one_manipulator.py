@@ -15,7 +15,6 @@ from dh2urdf.cells.floating import prove_floating, with_world
 from dh2urdf.columns import ManipulatorGroups
 from dh2urdf.conversion.robots import keeps_kinematics
 from dh2urdf.errors import EmitterError, InputError, ProofError, RecordError, TableError
-from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.expected_poses import proof_vectors
 from dh2urdf.kinematics.proof import TOLERANCE, Proof, prove
 from dh2urdf.manipulator import Manipulator
@@ -287,6 +286,8 @@ def emit_robot(
                 prove_floating(robot, read)
             proof = _proof(expected, robot, read, call, poses, recipe, at_once=at_once)
             if robot.attachments and not reads.of_tables:
+                from dh2urdf.kinematics.attached import prove_attachments
+
                 prove_attachments(robot, read)
         written.append(Written(stage=emitter.name, files=tuple(files), proof=proof))
     return tuple(written)

@@ -13,10 +13,10 @@ from dh2urdf.conversion.loads import load_in_child
 from dh2urdf.conversion.outcome import NotLoaded, Outcome, Verdict
 from dh2urdf.documents.text_files import is_file
 from dh2urdf.errors import InputError, ManipulatorError, MissingDependencyError, MissingProgramError, OutputError
-from dh2urdf.kinematics.attached import leaves, whole_vectors
-from dh2urdf.kinematics.chain import KinematicChain, as_matrices, link_poses
-from dh2urdf.kinematics.expected_poses import joint_vectors
+from dh2urdf.kinematics.chain import as_matrices, link_poses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.plugin_system.calls import Call, a_plain_name, a_record, blaming, depending_on
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, shown
 from dh2urdf.stages import Loader, LoadReport, LoadRequest, ReadsBack
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from dh2urdf.conversion.one_manipulator import Recipe, Written
     from dh2urdf.isolation.kept_children import KeptChildren
-    from dh2urdf.kinematics.expected_poses import ExpectedPoses
     from dh2urdf.robot import Robot
 
 say = Messages(__file__)
@@ -181,18 +180,20 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
         of_file = without_world(robot)
         to_root = start_of(robot, of_file.root).inverse
     poses = joint_vectors(expected, robot, count)
-    frames: dict[str, tuple[tuple[float, ...], ...]] = {}
-    values = [*whole_vectors(robot, [dict(zip(expected.joints, q, strict=True)) for q in poses])]
-    for tip in expected.tips:
-        chain = KinematicChain.between(robot, tip.root or expected.root, tip.link)
-        numbers, keeps = [tip.columns[name] for name in chain.actuated], recipe.keeps_kinematics
-        found = (tip.pose(q) if keeps else chain.forward_kinematics([q[number] for number in numbers]) for q in poses)
-        if tip.root is not None:
-            found = (link_poses(robot, q)[tip.root] @ pose for q, pose in zip(values, [*found], strict=True))
-        frames[tip.link] = tuple(tuple(as_matrices(to_root @ pose).ravel().tolist()) for pose in found)
-    for link in leaves(robot):
-        found = (link_poses(robot, q)[link] for q in values)
-        frames[link] = tuple(tuple(as_matrices(to_root @ pose).ravel().tolist()) for pose in found)
+    own = [joint.name for joint in robot.actuated_joints if joint.name not in expected.joints]
+    others = ExpectedPoses(name=expected.name, tips=(), joints=tuple(own))
+    whole = [(*q, *more) for q, more in zip(poses, joint_vectors(others, robot, count), strict=True)]
+    joints, followers = (*expected.joints, *others.joints), robot.followers
+    values = [with_followers(dict(zip(joints, q, strict=True)), followers) for q in whole]
+    placed = [link_poses(robot, q) for q in values]
+    found = {link: [links[link] for links in placed] for link in (*(tip.link for tip in expected.tips), *_ends(robot))}
+    for tip in expected.tips if recipe.keeps_kinematics else ():
+        starts = [links[tip.root or expected.root] for links in placed]
+        found[tip.link] = [start @ tip.pose(q) for start, q in zip(starts, poses, strict=True)]
+    frames = {
+        link: tuple([tuple(as_matrices(to_root @ pose).ravel().tolist()) for pose in poses_of])
+        for link, poses_of in found.items()
+    }
     request = LoadRequest(
         path=path,
         robot=of_file,
@@ -206,6 +207,13 @@ def _load(  # noqa: PLR0917 - what is known of a manipulator with files
         if report.picture and not is_file(picture.with_name(a_plain_name(report.picture))):
             raise ValueError(f"it reported a picture {shown(report.picture)} and wrote none")
         return report
+
+
+def _ends(robot: Robot) -> list[str]:
+    """The links of attachments that hold no other link."""
+    holders = {joint.parent for joint in robot.joints}
+    names = [each.prefix + link.name for each in robot.attachments for link in each.robot.links]
+    return [name for name in names if name not in holders]
 
 
 @contextmanager

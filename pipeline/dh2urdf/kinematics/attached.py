@@ -7,22 +7,20 @@ own reader has it. Joints that follow others move by the law of that file.
 
 from __future__ import annotations
 
-import math
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import INERTIA
 from dh2urdf.errors import ProofError
 from dh2urdf.kinematics.chain import link_poses
-from dh2urdf.kinematics.expected_poses import fractions
-from dh2urdf.robot import with_followers
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.rotations import greater_of, hypot, is_column, norm, subtract
 from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator
 
-    from dh2urdf.robot import Inertial, Joint, Robot
+    from dh2urdf.robot import Inertial, Robot
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.source import Problem
 
@@ -30,7 +28,7 @@ say = Messages(__file__)
 
 BOUND = 1e-12
 """What a link may be away from its place: [m] per metre of its distance, at least per 1 m, and [rad]."""
-VECTORS = 8
+VECTORS = 9
 """Joint vectors at which links are compared, besides zero and both ends of the limits."""
 
 
@@ -45,8 +43,6 @@ def prove_attachments(robot: Robot, written: Robot, *, masses: bool = True) -> N
     Raises:
         ProofError: a link is missing or not in its place, or its mass is another one.
     """
-    if not robot.attachments:
-        return
     problems = [*_lost(robot, written)] or [*_moved(robot, written)] or [*(_changed(robot, written) if masses else ())]
     if problems:
         raise ProofError([problem.about(robot=robot.name) for problem in problems[:5]])
@@ -64,7 +60,7 @@ def _lost(robot: Robot, written: Robot) -> Iterator[Problem]:
 def _moved(robot: Robot, written: Robot) -> Iterator[Problem]:
     """Links that are not in their places, of each attachment the first one."""
     told = set[str]()
-    for vectors in zip(*(_joint_vectors(each.robot) for each in robot.attachments), strict=True):
+    for vectors in zip(*(_vectors(each.robot) for each in robot.attachments), strict=True):
         both = list(zip(robot.attachments, vectors, strict=True))
         found = link_poses(written, {each.prefix + name: value for each, q in both for name, value in q.items()})
         for each, q in both:
@@ -94,39 +90,10 @@ def _changed(robot: Robot, written: Robot) -> Iterator[Problem]:
                 yield say("attached-shapes-lost", wanted=len(link.shapes), count=len(found.shapes), **about)
 
 
-def _joint_vectors(part: Robot) -> Iterator[dict[str, float]]:
-    """Values of the joints that move by themselves [rad or m]: zero, both ends of their limits, and some between."""
-    joints = part.actuated_joints
-    names, ranges = [joint.name for joint in joints], [_range(joint) for joint in joints]
-    yield dict.fromkeys(names, 0.0)
-    for shares in ((0.0,) * len(joints), (1.0,) * len(joints), *fractions(len(joints), VECTORS)):
-        values = [low + share * (high - low) for share, (low, high) in zip(shares, ranges, strict=True)]
-        yield dict(zip(names, values, strict=True))
-
-
-def _range(joint: Joint) -> tuple[float, float]:
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if lower is None or upper is None or not (-1e3 < lower <= upper < 1e3):  # noqa: PLR2004 - as `LARGEST_SAMPLE` has it
-        return -math.pi, math.pi
-    return lower, upper
-
-
-def whole_vectors(robot: Robot, vectors: Sequence[Mapping[str, float]]) -> Iterator[dict[str, float]]:
-    """The values of all moving joints [rad or m], given those of a table: others are drawn, and followers follow."""
-    others = [joint for joint in robot.actuated_joints if vectors and joint.name not in vectors[0]]
-    for number, (given, shares) in enumerate(zip(vectors, fractions(len(others), len(vectors)), strict=True)):
-        drawn = {}
-        for joint, share in zip(others, shares, strict=True):
-            low, high = _range(joint)
-            drawn[joint.name] = low + share * (high - low) if number else min(max(0.0, low), high)
-        yield with_followers({**given, **drawn}, robot.followers)
-
-
-def leaves(robot: Robot) -> list[str]:
-    """The links of attachments that hold no other link."""
-    holders = {joint.parent for joint in robot.joints}
-    names = [each.prefix + link.name for each in robot.attachments for link in each.robot.links]
-    return [name for name in names if name not in holders]
+def _vectors(part: Robot) -> list[dict[str, float]]:
+    """Values of the joints of a robot that move by themselves [rad or m]: those of the proof of an arm."""
+    own = ExpectedPoses(name=part.name, tips=(), joints=tuple([joint.name for joint in part.actuated_joints]))
+    return [dict(zip(own.joints, q, strict=True)) for q in proof_vectors(own, part, VECTORS)]
 
 
 def _difference(one: RigidTransform, other: RigidTransform) -> Any:  # noqa: ANN401 - a number or a column

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from dh2urdf.errors import RecordValueError
 from dh2urdf.kinematics.walk import CompiledChain, JointValue, rotation_about, values_of
 from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
-from dh2urdf.robot import leader_of, with_followers
+from dh2urdf.robot import with_followers
 from dh2urdf.rotations import (
     IDENTITY,
     IDENTITY_ROTATION,
@@ -160,22 +160,16 @@ def numbered(
     chain: CompiledChain, joints: Iterable[str], followers: Mapping[str, Follower], numbers: Mapping[str, int]
 ) -> dict[str, int]:
     """The numbers of some moving joints in a walk: those that are known, and those of the joints that follow them."""
-    known = {**numbers}
-    for name in joints:
-        way = [name]
-        while way[-1] and way[-1] not in known:
-            way.append(followers[way[-1]].leader)
-        for each in reversed(way[:-1]):
-            law = followers[each]
-            known[each] = chain.follow(known[law.leader] if law.leader else None, law)
-    return known
+    laws = {name: followers[name] for name in joints if name in followers}
+    leaders = {name: numbers[law.leader] if law.leader else None for name, law in laws.items()}
+    return {**numbers, **{name: chain.follow(leaders[name], law) for name, law in laws.items()}}
 
 
 def leading(joints: Sequence[Joint], followers: Mapping[str, Follower]) -> tuple[str, ...]:
     """Names of the joints that decide where some joints are: of these in order, then of others that they follow."""
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
-    leaders = [leader for name in moving if (leader := leader_of(name, followers))]
-    return tuple(dict.fromkeys([*(name for name in moving if name not in followers), *leaders]))
+    leaders = [followers[name].leader for name in moving if name in followers]
+    return tuple(dict.fromkeys([*(name for name in moving if name not in followers), *filter(None, leaders)]))
 
 
 def compile_joints(

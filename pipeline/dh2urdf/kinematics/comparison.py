@@ -18,17 +18,18 @@ from dh2urdf.kinematics.chain import (
     screws_of_table,
 )
 from dh2urdf.kinematics.screws import Mismatch, align
-from dh2urdf.manipulator import FLANGE, TOOL, Convention, JointType, Manipulator
+from dh2urdf.manipulator import FLANGE, TOOL, Convention, Follower, JointType, Manipulator
 from dh2urdf.quantities.number_text import format_number, number_in
 from dh2urdf.quantities.units import UNITS
 from dh2urdf.rotations import HALF_PI, IDENTITY, RigidTransform, Vec3
 from dh2urdf.source import Mark, Messages, did_you_mean, shown
+from dh2urdf.table_text.texts import law_text
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from dh2urdf.kinematics.screws import Alignment
-    from dh2urdf.manipulator import DHRow, Follower
+    from dh2urdf.manipulator import DHRow
     from dh2urdf.robot import Joint, Robot
 
 say = Messages(__file__)
@@ -104,20 +105,24 @@ def compare(
     result = Agreement(base_link=base, tip_link=tip, joints=names, difference=None)
     if apart := _other_joints(chain, manipulator.moving_rows):
         return replace(result, first_difference=apart)
+    own, given = dict(zip([row.joint for row in manipulator.moving_rows], names, strict=True)), manipulator.followers
+    wanted = {own[name]: law._replace(leader=own[law.leader]) for name, law in given.items()}
+    laws = {name: law for name, law in chain.followers.items() if name in names}
+    if apart := _other_laws(names, laws, wanted, math.inf):
+        return replace(result, first_difference=apart)
     # Where joints stand is seen if each moves by itself; with signs and offsets of its own, a table has other laws.
-    laws = [chain.followers.get(name) for name in names]
-    chain, given = KinematicChain.of(chain.joints), manipulator
-    manipulator = replace(given, rows=tuple(replace(row, follows=None) for row in given.rows))
+    chain = KinematicChain.of(chain.joints)
+    manipulator = replace(manipulator, rows=tuple(replace(row, follows=None) for row in manipulator.rows))
     difference = _difference(chain, manipulator)
     if difference.is_none:
-        apart = _other_laws(names, laws, given.moving_rows)
+        apart = _other_laws(names, laws, wanted, TOLERANCE)
         return replace(result, first_difference=apart) if apart else replace(result, difference=difference)
     result = replace(result, difference=difference)
     found = _with_correction(result, chain, manipulator)
-    if found.corrected and any(laws):
-        own = {name: row.joint for name, row in zip(names, given.moving_rows, strict=True)}
-        whole = {own[name]: law._replace(leader=own[law.leader]) for name, law in zip(names, laws, strict=True) if law}
-        rows = tuple(replace(row, follows=whole.get(row.joint)) for row in found.corrected.rows)
+    if found.corrected and laws:
+        of_table = {name: joint for joint, name in own.items()}
+        told = {of_table[name]: law._replace(leader=of_table[law.leader]) for name, law in laws.items()}
+        rows = tuple(replace(row, follows=told.get(row.joint)) for row in found.corrected.rows)
         found = replace(found, corrected=replace(found.corrected, rows=rows))
     if found.first_difference is None or not (meant := _read_otherwise(chain, manipulator)):
         return found
@@ -166,27 +171,26 @@ def _tip(robot: Robot, base: str, moving: int) -> str:
 
 def _other_joints(chain: KinematicChain, rows: Sequence[DHRow]) -> str | None:
     """Why the two cannot be compared joint by joint."""
-    joints, names = chain.moving, [joint.name for joint in chain.moving]
+    joints = chain.moving
     if len(joints) != len(rows):
         return f"the description has {len(joints)} moving joints on this chain, the table {len(rows)}"
     for number, (joint, row) in enumerate(zip(joints, rows, strict=True), start=1):
         if (joint.type is JointType.PRISMATIC) != (row.type is JointType.PRISMATIC):
             types = f"{joint.type} in the description and {row.type} in the table"
             return f"joint {number}, {shown(joint.name)}, is {types}"
-        law = chain.followers.get(joint.name)
-        leaders = law and law.leader, row.follows and names[[each.joint for each in rows].index(row.follows.leader)]
-        if leaders[0] != leaders[1] or (law and (law.higher or law.is_held)):
-            said = [f"follows {shown(name)}" if name else "follows none" for name in leaders]
-            return f"joint {number}, {shown(joint.name)}, {said[0]} in the description and {said[1]} in the table"
     return None
 
 
-def _other_laws(names: Sequence[str], laws: Sequence[Follower | None], rows: Sequence[DHRow]) -> str | None:
-    """Which joint follows another one by other numbers than its row."""
-    for name, law, row in zip(names, laws, rows, strict=True):
-        if law and row.follows and math.dist(law[1:3], row.follows[1:3]) > TOLERANCE:
-            said = [f"{each.multiplier:.9g} x {shown(law.leader)} + {each.offset:.9g}" for each in (law, row.follows)]
-            return f"joint {shown(name)} follows {said[0]} in the description and {said[1]} in the table"
+def _other_laws(
+    names: Sequence[str], laws: Mapping[str, Follower], wanted: Mapping[str, Follower], tolerance: float
+) -> str | None:
+    """Which joint follows another one, or by other numbers, than the table says."""
+    for number, name in enumerate(names, start=1):
+        both = [each.get(name, Follower(name)) for each in (laws, wanted)]
+        gap = math.dist(both[0][1:3], both[1][1:3])
+        if both[0].leader != both[1].leader or both[0].higher or gap > tolerance:
+            texts = [law_text(law, f"{law.offset:.9g}") if law.leader != name else "none" for law in both]
+            return f"joint {number}, {shown(name)}, follows {texts[0]} in the description and {texts[1]} in the table"
     return None
 
 
@@ -291,11 +295,13 @@ def changes(manipulator: Manipulator, corrected: Manipulator) -> tuple[str, ...]
         for name, old, new in (("base", manipulator.base, corrected.base), ("tool", manipulator.tool, corrected.tool))
         if max(position_error(old, new), angle_error(old, new)) > TOLERANCE / 10
     ]
+    laws, old_laws = corrected.followers, manipulator.followers
     for old_row, row in zip(manipulator.rows, corrected.rows, strict=True):
         cells = [f"sign: {row.sign}"] if row.sign != old_row.sign else []
         is_angle = row.type is not JointType.PRISMATIC
-        if row.follows and old_row.follows and math.dist(row.follows[1:3], old_row.follows[1:3]) > TOLERANCE / 10:
-            cells.append(f"follows: {row.follows.text(number_text(row.follows.offset, is_angle=is_angle))}")
+        law, old = laws.get(row.joint), old_laws.get(row.joint)
+        if law and old and math.dist(law[1:3], old[1:3]) > TOLERANCE / 10:
+            cells.append(f"follows: {law_text(law, number_text(law.offset, is_angle=is_angle))}")
         if abs(row.offset - old_row.offset) > TOLERANCE / 10:
             cells.append(f"offset: {number_text(row.offset, is_angle=is_angle)}")
         if cells:

@@ -28,9 +28,9 @@ from dh2urdf.kinematics.chain import (
     screws_in_links,
 )
 from dh2urdf.kinematics.joint_vectors import joint_values
-from dh2urdf.kinematics.pose_arrays import Way, jacobian_of, joints_of, rates_of, table_jacobian
+from dh2urdf.kinematics.pose_arrays import Way, jacobian_of, joints_of, led, table_jacobian
 from dh2urdf.kinematics.walk import CompiledChain, values_of
-from dh2urdf.manipulator import TOOL, JointType, Manipulator, whole_laws
+from dh2urdf.manipulator import TOOL, JointType, Manipulator
 from dh2urdf.rotations import RigidTransform, multiply, norm, transpose
 from dh2urdf.source import Mark, Messages
 
@@ -149,17 +149,17 @@ def _moved_link(model: Manipulator | Robot, link: str) -> _MovedLink:
         table, compiled = model, CompiledChain()
         compile_table(compiled, table, with_frames=True)
         compiled.stop()
+        names, followers = joints_of(table, _FUNCTION), table.followers
+        rows = {row.joint: row for row in table.moving_rows}
 
-        rates, laws = rates_of(table), table.followers
-
-        def of_table(frames: Sequence[RigidTransform], _: Sequence[float]) -> Vector:
+        def of_table(frames: Sequence[RigidTransform], values: Sequence[float]) -> Vector:
             columns = jacobian_of(screws_in_frames(table, frames[:-1]), frames[-1].translation, (), _FUNCTION)
-            return columns @ rates if laws else columns
+            return led(columns, rows, dict(zip(names.moving, values, strict=True)), followers)
 
         return _MovedLink(
-            names=joints_of(table, _FUNCTION),
+            names=names,
             moving=table.actuated_rows,
-            followers=[(laws[row.joint], row.limits) for row in table.rows if row.follows],
+            followers=[(law, rows[name].limits) for name, law in followers.items()],
             reach=reach(table),
             frames=partial(_walked, compiled),
             jacobian=of_table,
@@ -167,17 +167,17 @@ def _moved_link(model: Manipulator | Robot, link: str) -> _MovedLink:
     way = Way.to(model, link, _FUNCTION)
     by_name = {joint.name: joint for joint in model.joints}
     joints = compile_joints(way.chain.joints, followers=way.chain.followers, with_axes=True)
-    own = whole_laws(way.chain.followers)
+    laws, moved = way.chain.followers, {joint.name: joint for joint in way.chain.moving}
 
     def of_robot(frames: Sequence[RigidTransform], values: Sequence[float]) -> Vector:
         screws = screws_in_links(way.chain, frames[:-1])
         columns = jacobian_of(screws, frames[-1].translation, (), _FUNCTION)
-        return way.led(columns, values) if way.chain.followers else columns
+        return led(columns, moved, dict(zip(way.names.moving, values, strict=True)), laws)
 
     return _MovedLink(
         names=way.names,
         moving=[by_name[name] for name in way.names.moving],
-        followers=[(own[each.name], each.limits) for each in way.chain.moving if each.name in own],
+        followers=[(laws[name], joint.limits) for name, joint in moved.items() if name in laws],
         reach=sum(norm(joint.origin.xyz) for joint in way.chain.joints),
         frames=partial(_walked, joints),
         jacobian=of_robot,
@@ -280,9 +280,9 @@ class _PoseSearch:
 def _range(name: str, limits: Limits, followers: Sequence[tuple[Follower, Limits]]) -> tuple[float, float]:
     """The values of a joint at which its followers are inside their limits, too [rad or m]; else those of its own."""
     own = low, high = _ends(limits)
-    for law, led in followers:
+    for law, own_limits in followers:
         if law.leader == name and law.multiplier and not law.higher:
-            ends = sorted((end - law.offset) / law.multiplier for end in _ends(led))
+            ends = sorted((end - law.offset) / law.multiplier for end in _ends(own_limits))
             low, high = max(low, ends[0]), min(high, ends[1])
     return (low, high) if low <= high else own
 

@@ -22,13 +22,12 @@ from dh2urdf.kinematics.chain import (
     screws_of_chain,
 )
 from dh2urdf.kinematics.joint_vectors import JointNames, joint_values
-from dh2urdf.manipulator import ROOT, TOOL
-from dh2urdf.robot import with_followers
+from dh2urdf.manipulator import ROOT, TOOL, Follower
 from dh2urdf.rotations import IDENTITY, cross, subtract
 from dh2urdf.source import Mark, Messages, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
@@ -58,9 +57,8 @@ def pose_matrices(model: Manipulator | KinematicChain, q: ArrayLike) -> NDArray[
     """
     if not isinstance(model, KinematicChain):
         return table_pose(model, q)
-    return _chain_pose(
-        model, JointNames(model.actuated, model.actuated, whose="the chain", function="pose_matrices()"), q
-    )
+    names = JointNames(model.actuated, model.actuated, whose="the chain", function="pose_matrices()")
+    return _chain_pose(model, names, q)
 
 
 # --- Tables
@@ -91,19 +89,8 @@ def table_jacobian(manipulator: Manipulator, q: Any, *, full: bool) -> Matrices:
     frames = dh_frames(manipulator, values)
     screws = screws_in_frames(manipulator, frames)
     columns = jacobian_of(screws, (frames[-1] @ manipulator.tool).translation, shape, function)
-    return columns @ rates_of(manipulator) if manipulator.followers else columns
-
-
-def rates_of(manipulator: Manipulator) -> Matrices:
-    """How fast each moving joint of a table moves for each actuated one, of shape (moving, actuated)."""
-    import numpy as np
-
-    laws, actuated = manipulator.followers, [row.joint for row in manipulator.actuated_rows]
-    rates = np.zeros((len(manipulator.moving_rows), len(actuated)))
-    for number, row in enumerate(manipulator.moving_rows):
-        law = laws.get(row.joint)
-        rates[number, actuated.index(law.leader if law else row.joint)] = law.multiplier if law else 1.0
-    return rates
+    given = dict(zip([row.joint for row in manipulator.actuated_rows], values, strict=True))
+    return led(columns, [row.joint for row in manipulator.moving_rows], given, manipulator.followers)
 
 
 def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) -> JointNames:
@@ -121,9 +108,7 @@ def joints_of(manipulator: Manipulator, function: str, *, full: bool = False) ->
 
 def robot_pose(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 - whatever is given
     """T(root → tip) of shape (..., 4, 4); see `Robot.fk`."""
-    way = Way.to(robot, tip, "Robot.fk()")
-    values, shape = joint_values(q, way.names)
-    return _matrices(way.chain.forward_kinematics(values), shape, way.names.function)
+    return _chain_pose(*Way.to(robot, tip, "Robot.fk()"), q)
 
 
 def _chain_pose(chain: KinematicChain, names: JointNames, q: Any) -> Matrices:  # noqa: ANN401 - whatever is given
@@ -147,7 +132,8 @@ def robot_jacobian(robot: Robot, q: Any, tip: str) -> Matrices:  # noqa: ANN401 
     values, shape = joint_values(q, way.names)
     screws, end = screws_of_chain(way.chain, values)
     columns = jacobian_of(screws, end.translation, shape, way.names.function)
-    return way.led(columns, values) if way.chain.followers else columns
+    given = dict(zip(way.names.moving, values, strict=True))
+    return led(columns, [joint.name for joint in way.chain.moving], given, way.chain.followers)
 
 
 class Way(NamedTuple):
@@ -164,21 +150,6 @@ class Way(NamedTuple):
         known = tuple(joint.name for joint in robot.actuated_joints if joint.name not in moving)
         whose = f"the way of robot {shown(robot.name)} to {shown(tip)}"
         return cls(chain, JointNames(moving, moving, known, whose=whose, function=function))
-
-    def led(self, columns: Matrices, values: Sequence[Any]) -> Matrices:
-        """The Jacobian for the actuated joints, from that for all: what follows a joint moves at its rate."""
-        import numpy as np
-
-        followers, others = self.chain.followers, dict.fromkeys(self.names.known, 0.0)
-        every = with_followers({**others, **dict(zip(self.names.moving, values, strict=True))}, followers)
-        led = np.zeros((*columns.shape[:-1], len(values)))
-        for number, joint in enumerate(self.chain.moving):
-            name, rate = joint.name, np.ones(columns.shape[:-2])
-            while follower := followers.get(name):
-                name, rate = follower.leader, rate * follower.rate(every.get(follower.leader, 0.0))
-            if name:
-                led[..., self.names.moving.index(name)] += rate[..., None] * columns[..., number]
-        return led
 
 
 # --- Arrays
@@ -200,6 +171,22 @@ def jacobian_of(screws: Sequence[Screw], tool: Vec3, shape: tuple[int, ...], fun
         for element, value in enumerate((*linear, *((0.0, 0.0, 0.0) if slides else direction))):
             jacobian[..., element, number] = value
     return _finite(jacobian, function)
+
+
+def led(
+    columns: Matrices, moving: Iterable[str], values: Mapping[str, Any], followers: Mapping[str, Follower]
+) -> Matrices:
+    """The Jacobian for the joints that have values, from that for all that move: a follower moves at its law's rate."""
+    import numpy as np
+
+    if not followers:
+        return columns
+    actuated, found = [*values], np.zeros((*columns.shape[:-1], len(values)))
+    for number, law in enumerate(followers.get(name, Follower(name)) for name in moving):
+        if law.leader:
+            rate = np.asarray(law.rate(values[law.leader]))
+            found[..., actuated.index(law.leader)] += rate[..., None] * columns[..., number]
+    return found
 
 
 def _finite(numbers: Matrices, function: str) -> Matrices:

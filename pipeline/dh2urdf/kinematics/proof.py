@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from dh2urdf.columns import replaced
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.fields import many_unchecked, replace_unchecked
-from dh2urdf.kinematics.attached import prove_attachments
 from dh2urdf.kinematics.chain import compile_joints, joints_between, leading, reach
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_columns
 from dh2urdf.kinematics.walk import CompiledChain, Frame, values_of
@@ -209,11 +208,14 @@ def prove_columns(
     found: dict[int, Proof | ProofError] = {}
     expected = ExpectedPoses.of(tables.table)
     for places, described in written:
-        try:
-            prove_attachments(robots.robot, described, masses=False)
-        except ProofError as error:
-            found.update(dict.fromkeys(places, error))
-            continue
+        if robots.robot.attachments:
+            from dh2urdf.kinematics.attached import prove_attachments
+
+            try:
+                prove_attachments(robots.robot, described, masses=False)
+            except ProofError as error:
+                found.update(dict.fromkeys(places, error))
+                continue
         try:
             tip, followers = expected.tips[0], described.followers
             joints = joints_to(expected, tip, described)

@@ -15,13 +15,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
 from io import BytesIO
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
-from dh2urdf.kinematics.chain import as_matrices, joint_motion, joint_variables, row_transform
+from dh2urdf.kinematics.chain import as_matrices, dh_frames, link_poses
 from dh2urdf.kinematics.expected_poses import joint_ranges
 from dh2urdf.manipulator import Convention, JointType
-from dh2urdf.robot import with_followers
 from dh2urdf.rotations import IDENTITY, RigidTransform, Vec3, add, rotate
 
 if TYPE_CHECKING:
@@ -128,47 +128,38 @@ class Skeleton(NamedTuple):
 def arm_skeleton(tip: Tip) -> Skeleton:
     """The last arm on the way to a tip, as its table has it: along every d and a."""
     zero = [0.0] * (1 + max(tip.columns.values(), default=0))
-    pose = replace(tip, way=tip.way[:-1]).pose(zero)
     table, _, placement = tip.way[-1]
-    values = with_followers({row.joint: 0.0 for row in table.actuated_rows}, table.followers)
-    pose = pose @ placement
-    path, frames = [pose.translation], [pose]
-    axes: list[JointAxis] = []
-    pose = pose @ table.base
-    path.append(pose.translation)
-    frames.append(pose)
-    for row in table.rows:
-        value = values.get(row.joint, 0.0)
-        _, d = joint_variables(row, value)
-        after = pose @ row_transform(table.convention, row, value)
-        is_standard = table.convention is Convention.STANDARD
-        corner = add(pose.translation, rotate(pose.rotation, (0.0, 0.0, d) if is_standard else (row.a, 0.0, 0.0)))
+    root = replace(tip, way=tip.way[:-1]).pose(zero) @ placement
+    frames = [root, *(root @ frame for frame in dh_frames(table, [0.0] * len(table.actuated_rows)))]
+    path, axes = [frame.translation for frame in frames[:2]], list[JointAxis]()
+    is_standard = table.convention is Convention.STANDARD
+    for row, (pose, after) in zip(table.rows, pairwise(frames[1:]), strict=True):
+        # Rows move along x of the frame after them, in the modified convention of the one before.
+        start, rotation, a = (after, after.rotation, -row.a) if is_standard else (pose, pose.rotation, row.a)
+        corner = add(start.translation, rotate(rotation, (a, 0.0, 0.0)))
         path += [corner, after.translation]
         if row.type is not JointType.FIXED:
             # The joint turns about z of the frame before it, in the modified convention about z of its own.
             at, rotation = (pose.translation, pose.rotation) if is_standard else (corner, after.rotation)
             direction = rotate(rotation, (0.0, 0.0, float(row.sign)))
             axes.append(JointAxis(len(axes) + 1, at, direction, row.type is JointType.PRISMATIC))
-        pose = after
-        frames.append(pose)
-    pose = pose @ table.tool
+    pose = frames[-1] @ table.tool
     tool0 = pose.translation
     return Skeleton(((*path, tool0),), tuple(axes), (*frames, pose), (tool0,))
 
 
 def robot_skeleton(robot: Robot) -> Skeleton:
     """A robot as its joints have it: straight from link to link; a ValueError where no parents come first."""
-    poses = {robot.root: IDENTITY}
+    poses, met = link_poses(robot, {}), {robot.root}
     ending = {robot.root: [IDENTITY.translation]}
     paths = list(ending.values())
     axes: list[JointAxis] = []
     frames = [IDENTITY]
-    values = with_followers({joint.name: 0.0 for joint in robot.actuated_joints}, robot.followers)
     for joint in robot.joints:
-        if joint.parent not in poses:
+        if joint.parent not in met:
             raise ValueError(f"the joint {joint.name!r} has no parent {joint.parent!r} before it")
-        before = poses[joint.parent] @ joint.origin.transform
-        pose = poses[joint.child] = before @ joint_motion(joint, values.get(joint.name, 0.0))
+        met.add(joint.child)
+        pose = poses[joint.child]
         path = ending.pop(joint.parent, None)
         if path is None:  # another child of it has gone on with its line
             path = [poses[joint.parent].translation]

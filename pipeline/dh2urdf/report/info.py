@@ -18,6 +18,7 @@ from dh2urdf.report.manifest import axes_entry
 from dh2urdf.rotations import norm
 from dh2urdf.source import markdown_text, printable
 from dh2urdf.table_text import Trace
+from dh2urdf.table_text.texts import law_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -157,7 +158,7 @@ def _fields(
     values |= {name: getattr(row.inertia, name, None) for name in INERTIA}
     values |= {name: getattr(row, name) for name in _OPTIONAL}
     if row.follows:
-        values["follows"] = row.follows.text(_number(row.follows.offset, unit_of("offset", row.type)))
+        values["follows"] = law_text(row.follows, _number(row.follows.offset, unit_of("offset", row.type)))
     for name, value in values.items():
         if value is not None:
             yield _field(row, name, value, told.get(name), unsaid)

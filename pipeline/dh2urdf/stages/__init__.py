@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.robot import Robot
     from dh2urdf.stages.executors import Executor as Executor, ExecutorCapability as ExecutorCapability, Lost as Lost
-    from dh2urdf.stages.foreign_robot import Follower as Follower, ForeignRobot as ForeignRobot
+    from dh2urdf.stages.foreign_robot import ForeignRobot as ForeignRobot
     from dh2urdf.stages.given import Stage as Stage, Subcommand as Subcommand
     from dh2urdf.stages.inspections import (
         SEVERITIES as SEVERITIES,
@@ -513,7 +513,7 @@ if not TYPE_CHECKING:  # Most commands make no such record.
         __name__,
         {
             "executors": "Executor ExecutorCapability Lost",
-            "foreign_robot": "Follower ForeignRobot",
+            "foreign_robot": "ForeignRobot",
             "given": "Stage Subcommand",
             "inspections": "SEVERITIES Annotation Effect Expansion Finding Inspection Repair Severity arguments_of",
             "load_records": "HeldRobot LoadReport LoadRequest Question SimulatedArm",

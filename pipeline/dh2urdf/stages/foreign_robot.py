@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from dh2urdf.robot import Follower, Robot
+from dh2urdf.robot import Robot
 from dh2urdf.source import Problem
 
-__all__ = ["Follower", "ForeignRobot"]
+__all__ = ["ForeignRobot"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,7 +18,6 @@ class ForeignRobot:
 
     Attributes:
         robot: the links and joints; joints that no table has, such as floating ones, are fixed in it.
-        followers: the joints that follow another one, by name.
         loose: the types of the joints that no table has, by the name of the joint.
         folder: where the paths of its meshes begin; None for the folder of the file.
         notices: what could not be read, and is left out.
@@ -28,7 +27,6 @@ class ForeignRobot:
     """
 
     robot: Robot
-    followers: Mapping[str, Follower] = field(default_factory=dict)
     loose: Mapping[str, str] = field(default_factory=dict)
     folder: Path | None = None
     notices: tuple[Problem, ...] = ()

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from dh2urdf.manipulator import DHRow, LinkGeometry, Manipulator, MeshShape, Payload
+    from dh2urdf.manipulator import DHRow, Follower, LinkGeometry, Manipulator, MeshShape, Payload
     from dh2urdf.table_text import TableText
 
 _FOLLOWING = (Dimension.LENGTH, Dimension.ANGLE, *RATES)
@@ -157,10 +157,17 @@ def _row_text(row: DHRow, length: Unit, angle: Unit, *, link: str) -> dict[str, 
                 texts[field] += f" {angle.symbol}"
     if row.follows:
         unit = length if row.type is JointType.PRISMATIC else angle
-        texts["follows"] = row.follows.text(number_in(row.follows.offset, unit))
+        texts["follows"] = law_text(row.follows, number_in(row.follows.offset, unit))
     if row.type is JointType.FIXED:
         texts = {field: text for field, text in texts.items() if field not in LIMITS}
     return {field: texts[field] for field in FIELDS if field in texts}
+
+
+def law_text(law: Follower, offset: str) -> str:
+    """How a joint follows another one, as tables write it: ``-j2``, ``0.5 * j2 + pi/2``; given the offset's text."""
+    factor = {1.0: "", -1.0: "-"}.get(law.multiplier, f"{format_number(law.multiplier)} * ")
+    added = f" - {offset[1:]}" if offset.startswith("-") else f" + {offset}"
+    return f"{factor}{law.leader}{added if law.offset else ''}"
 
 
 def _geometry(geometry: LinkGeometry | None, length: Unit) -> dict[str, str | None]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.kinematics import link_poses
+from dh2urdf.kinematics.expected_poses import ExpectedPoses, joint_vectors
 from dh2urdf.kinematics.mass import tensor
 from dh2urdf.manipulator import JointType
 from dh2urdf.measuring import pose_error, written_joint
-from dh2urdf.robot import Mesh, following, with_followers
+from dh2urdf.robot import Mesh, with_followers
 from dh2urdf.rotations import RigidTransform
 from dh2urdf_plugins.loaders.measures import carriers, edges, lumped_bodies
 
@@ -46,17 +46,10 @@ class Difference(NamedTuple):
 
 def postures(own: ForeignRobot) -> tuple[dict[str, float], ...]:
     """The joint vectors at which poses are compared, the first at rest; within the limits, and joints follow others."""
-    chance, joints = random.Random(0), own.robot.moving_joints  # noqa: S311 - the same in every run
-    followers, found = following(own.followers, [joint.name for joint in joints]), []
-    for number in range(POSTURES):
-        values = {}
-        for joint in joints:
-            lower, upper = joint.limits.lower, joint.limits.upper
-            if lower is None or upper is None or not lower <= upper:
-                lower, upper = (-1.0, 1.0) if joint.type is JointType.PRISMATIC else (-math.pi, math.pi)
-            values[joint.name] = lower + chance.random() * (upper - lower) if number else min(max(0.0, lower), upper)
-        found.append({name: float(value) for name, value in with_followers(values, followers).items()})
-    return tuple(found)
+    robot, followers = own.robot, own.robot.followers
+    asked = ExpectedPoses(name=robot.name, tips=(), joints=tuple([joint.name for joint in robot.actuated_joints]))
+    values = [dict(zip(asked.joints, q, strict=True)) for q in joint_vectors(asked, robot, POSTURES)]
+    return tuple([with_followers(each, followers) for each in values])
 
 
 def differences(own: ForeignRobot, held: HeldRobot, question: Question) -> list[Difference]:
@@ -107,9 +100,9 @@ def _joints(own: ForeignRobot, held: HeldRobot) -> Iterator[Difference]:
             if not _same(there[field], written):
                 rule = "seen-axis" if field == "axis" else "seen-joint-type" if field == "type" else "seen-limit"
                 yield Difference(rule, joint.name, f"has the {field} {_shown(there[field])}, not {_shown(written)}")
-        if "mimic" in there and there["mimic"] is None and joint.name in own.followers:
-            leader = own.followers[joint.name].leader
-            yield Difference("seen-mimic", joint.name, f"lets it move by itself: it does not follow {leader!r}")
+        if "mimic" in there and there["mimic"] is None and joint.follows:
+            text = f"lets it move by itself: it does not follow {joint.follows.leader!r}"
+            yield Difference("seen-mimic", joint.name, text)
 
 
 def _same(found: Any, written: Any) -> bool:  # noqa: ANN401 - words, numbers and vectors

@@ -23,7 +23,7 @@ import numpy as np  # noqa: TID253 - pinocchio, which moves the shapes, imports 
 from dh2urdf.errors import InputError, MissingDependencyError
 from dh2urdf.manipulator import JointType
 from dh2urdf.meshes import read_parts
-from dh2urdf.robot import Box, Cylinder, Follower, Mesh, Robot, Sphere, following, with_followers
+from dh2urdf.robot import Box, Cylinder, Follower, Mesh, Robot, Sphere, followers_of, with_followers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Messages
 
@@ -47,10 +47,9 @@ State = Mapping[str, float | Quaternion]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mechanism:
-    """A robot with what its joints follow."""
+    """A robot whose floating and planar joints move, too."""
 
     robot: Robot  # the links and joints; floating and planar joints are fixed in it
-    followers: Mapping[str, Follower] = field(default_factory=dict)  # joints that mimic another, by name
     loose: Mapping[str, str] = field(default_factory=dict)  # floating and planar joints, by name
     file: str | None = None  # what messages call the description
 
@@ -58,13 +57,17 @@ class Mechanism:
         """Whether a joint moves, by itself or behind another."""
         return joint.type is not JointType.FIXED or joint.name in self.loose
 
+    @property
+    def followers(self) -> dict[str, Follower]:
+        """The joints that follow another one, by name, and how."""
+        return followers_of(filter(self.moves, self.robot.joints))
+
     def from_root(self) -> tuple[Joint, ...]:
         """The joints, each behind the one that holds its parent."""
-        links, followers, joints = [link.name for link in self.robot.links], self._moved(), self.robot.joints
-        able = following(followers, [joint.name for joint in joints if self.moves(joint)])
+        links, followers, joints = [link.name for link in self.robot.links], self.followers, self.robot.joints
         for joint in joints:
-            if joint.name in followers.keys() - able.keys():
-                raise self._error("leader-not-followed", joint, leader=followers[joint.name].leader)
+            if joint.follows and self.moves(joint) and joint.name not in followers:
+                raise self._error("leader-not-followed", joint, leader=joint.follows.leader)
             if joint.type is not JointType.FIXED and not norm(joint.axis):
                 raise self._error("axis-of-length-0", joint)
             for name in {joint.parent, joint.child} - set(links):
@@ -91,8 +94,9 @@ class Mechanism:
     def state(self, random: Random | None = None) -> State:
         """Where the joints start, or a state within the limits that is drawn."""
         values: dict[str, float | Quaternion] = {}
+        followers = self.followers
         for joint in self.robot.joints:
-            if not self.moves(joint) or joint.name in self.followers:
+            if not self.moves(joint) or joint.name in followers:
                 continue
             if self.loose.get(joint.name) == FLOATING:
                 values[joint.name] = _anyhow_turned(random) if random else (0.0, 0.0, 0.0, 1.0)
@@ -102,11 +106,7 @@ class Mechanism:
                 values[joint.name] = lower + random.random() * (upper - lower)
             else:
                 values[joint.name] = 0.0 if lower <= 0.0 <= upper else 0.5 * lower + 0.5 * upper
-        return with_followers(values, self._moved())
-
-    def _moved(self) -> dict[str, Follower]:
-        moving = (joint.name for joint in self.robot.joints if self.moves(joint))
-        return {name: self.followers[name] for name in moving if name in self.followers}
+        return with_followers(values, followers)
 
     def _range(self, joint: Joint) -> tuple[float, float]:
         """The limits of a joint: a turn where it has none; a joint that slides without limits stays where it starts."""

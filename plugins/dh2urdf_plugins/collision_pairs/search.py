@@ -66,7 +66,7 @@ def robot_pairs(robot: Robot, options: PairOptions) -> CollisionPairs:
     """The collision pairs of a robot that was made of tables."""
     try:
         loose = {joint.name: FLOATING for joint in robot.joints if joint.child in robot.floating}
-        return collision_pairs(Mechanism(robot=robot, followers=robot.followers, loose=loose), _content, options)
+        return collision_pairs(Mechanism(robot=robot, loose=loose), _content, options)
     except InputError as error:
         raise EmitterError(error.problems) from error
 

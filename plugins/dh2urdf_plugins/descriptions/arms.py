@@ -55,7 +55,7 @@ def manipulator_of(
         *_besides_the_chain(description, given, carried),
     ]
     rows, row_notices = _rows(solution, chain, carried, mark)
-    rows = _led(rows, chain, description.followers)
+    rows = _led(rows, chain, tree.robot.followers)
     base = carried.body(0, solution.table.base)
     notices += row_notices
     if base.mass:
@@ -186,7 +186,7 @@ def _rounded(tree: Tree, tip: str, *, repair: bool) -> Iterator[Problem]:
 
 def _besides_the_chain(description: Description, chain: Sequence[Joint], carried: Carried) -> Iterator[Problem]:
     """Joints that are no part of the chain, and axes that are no unit vectors."""
-    followers = [name for name in description.followers if name in carried.left_out]
+    followers = [each.name for each in description.robot.joints if each.follows and each.name in carried.left_out]
     moving = [joint for joint in chain if joint.type is not JointType.FIXED]
     long_axes = [joint.name for joint in moving if abs(norm(joint.axis) - 1.0) > UNIT]
     for code, names in (

@@ -14,7 +14,7 @@ from lxml import etree
 
 from dh2urdf.documents import is_file, read_bytes
 from dh2urdf.errors import ProofError, TableError
-from dh2urdf.robot import Follower, Link, Robot
+from dh2urdf.robot import Link, Robot
 from dh2urdf.source import Mark, Messages, Problem, listed
 from dh2urdf.stages import Expansion
 from dh2urdf.stages.foreign_robot import ForeignRobot
@@ -52,8 +52,6 @@ class Description:
     file: str
     folder: Path
     robot: Robot = Robot(name="", links=(), joints=())  # joints that no table has are fixed in it
-    # Joints that mimic another, by name, and how; the name of the leader is empty where it is missing.
-    followers: dict[str, Follower] = field(default_factory=dict)
     loose: dict[str, str] = field(default_factory=dict)  # joints that no table has, with their types
     rounded: list[Rounded] = field(default_factory=list)  # numbers that were meant to be parts of π
     # The robot with these numbers as they were meant. Where that is asked for, it is `robot`, and this the written one.
@@ -71,7 +69,6 @@ class Description:
         self.faulty |= model.faulty
         self.doubly |= set(model.doubly)
         self.notices += _notices(model.unread)
-        self.followers |= {joint.name: joint.follows for joint in model.robot.joints if joint.follows}
         return model.robot
 
 
@@ -115,7 +112,7 @@ def foreign_robot(form: str, path: Path, expansion: Expansion | None = None) -> 
     Floating and planar joints are fixed, a URDF needs no name, and a colour that is defined nowhere is none.
     """
     found = describe(form, path, expansion, colours=True)
-    parts = {name: getattr(found, name) for name in ("robot", "followers", "loose", "folder", "elements")}
+    parts = {name: getattr(found, name) for name in ("robot", "loose", "folder", "elements")}
     faults = tuple([each.fault for each in found.faulty.values() if each.fault])
     return ForeignRobot(**parts, notices=tuple(found.notices), faults=faults, lost=tuple(found.lost))
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from dh2urdf.errors import TableError
 from dh2urdf.kinematics import usual_tips
-from dh2urdf.manipulator import JointType, whole_laws
-from dh2urdf.robot import following
+from dh2urdf.manipulator import JointType
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Messages, did_you_mean, listed, shown
 from dh2urdf_plugins.readers.words.bounds import MEASURABLE_ARM
@@ -114,7 +113,7 @@ class Tree:
             link = joint.parent
         able = self._following(joints)
         for joint in joints:
-            self._check(joint, follows=joint.name in able)
+            self._check(joint, able)
         if all(joint.type is JointType.FIXED for joint in joints):
             raise self._error("chain-without-motion", "tip_link", base=self.base, tip=tip)
         return tuple(joints)
@@ -124,26 +123,17 @@ class Tree:
         slides = {
             joint.name: joint.type is JointType.PRISMATIC for joint in joints if joint.type is not JointType.FIXED
         }
-        able = following(self.description.followers, slides)
-        laws = whole_laws(able)
-        return {
-            name
-            for name, law in able.items()
-            if law.leader
-            and law.leader in slides
-            and not law.higher
-            and slides[name] is slides[law.leader]
-            and laws[name].leader in slides.keys() - able.keys()
-        }
+        laws = [(name, law) for name, law in self.robot.followers.items() if name in slides and not law.higher]
+        return {name for name, law in laws if slides.get(law.leader) is slides[name]}
 
-    def _check(self, joint: Joint, *, follows: bool) -> None:
+    def _check(self, joint: Joint, followers: Container[str]) -> None:
         """Refuses a joint that is faulty, or that no table has."""
         if (faulty := self.description.faulty.get(joint.name)) is not None and faulty.fault is not None:
             raise TableError(faulty.fault)
-        followers, loose, name = self.description.followers, self.description.loose, joint.name
-        if name in loose or (name in followers and not follows):
-            leader = followers[name].leader if name in followers else ""
-            what = f"is {loose[name]}" if name in loose else f"mimics {shown(leader) if leader else 'another joint'}"
+        loose, name, law = self.description.loose, joint.name, joint.follows
+        if name in loose or (law and name not in followers):
+            leader = shown(law.leader) if law and law.leader else "another joint"
+            what = f"is {loose[name]}" if name in loose else f"mimics {leader}"
             raise self._error("joint-not-own", joint=joint, what=what)
         numbers = (*joint.origin.xyz, *joint.origin.rpy, *joint.axis)
         if not all(abs(number) <= MEASURABLE_ARM for number in numbers):

@@ -9,14 +9,14 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import Follower, JointType
 from dh2urdf.rotations import IDENTITY, X_AXIS, Y_AXIS, RigidTransform, Rotation, Vec3, cross, norm, scale
 from dh2urdf_studio.drawing.mesh_files import DrawnMesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from dh2urdf.robot import Follower, Joint, Link, Robot
+    from dh2urdf.robot import Joint, Link, Robot
 
 Colour: TypeAlias = tuple[float, float, float]  # red, green, blue in 0..1
 
@@ -46,26 +46,20 @@ class Grip(NamedTuple):
     axis: Vec3  # in the carrier's frame
     slides: bool
     is_endless: bool  # whether the joint whose value changes has no limits
-    followers: tuple[Follower, ...] = ()  # how the joint nearest to the link follows that one, the last first
+    law: Follower | None = None  # how the joint nearest to the link follows that one
 
     def value(self, before: float, by: float) -> float:
         """The joint value that turns or slides the link so far from a value before [rad or m], by Newton's method."""
-        aim, value = self._followed(before)[0] + by, before
+        law = self.law or Follower(self.joint)
+        aim, value = law.value(before) + by, before
         for _ in range(_STEPS):
-            now, rate = self._followed(value)
+            now, rate = law.value(value), law.rate(value)
             if abs(aim - now) < _CLOSE or not rate:
                 break
             value += (aim - now) / rate
-        if not abs(self._followed(value)[0] - aim) < _CLOSE:  # the joint turns back before
+        if not abs(law.value(value) - aim) < _CLOSE:  # the joint turns back before
             return before
         return math.remainder(value, math.tau) if self.is_endless else value
-
-    def _followed(self, value: float) -> tuple[float, float]:
-        """Where the link is at a value of the joint, and how far it moves for each rad or m of it."""
-        rate = 1.0
-        for follower in self.followers:
-            rate, value = rate * follower.rate(value), follower.value(value)
-        return value, rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,11 +149,9 @@ def grips(robot: Robot, before: str = "") -> dict[str, Grip]:
 def _grip(joint: Joint, joints: Mapping[str, Joint], followers: Mapping[str, Follower], before: str) -> Grip | None:
     if joint.type not in _MOVING or norm(joint.axis) == 0.0:
         return None
-    leader, way = joint.name, list["Follower"]()
-    while (follower := followers.get(leader)) is not None:
-        leader = follower.leader
-        way.insert(0, follower)
-    if not all(each.is_finite and (each.multiplier or each.higher) for each in way):
+    law = followers.get(joint.name)
+    if law and not any(law.factors[1:]):
         return None
-    slides, is_endless = joint.type is JointType.PRISMATIC, joints[leader].type is JointType.CONTINUOUS
-    return Grip(before + leader, before + joint.child, joint.axis, slides, is_endless, tuple(way))
+    leader, slides = law.leader if law else joint.name, joint.type is JointType.PRISMATIC
+    is_endless = joints[leader].type is JointType.CONTINUOUS
+    return Grip(before + leader, before + joint.child, joint.axis, slides, is_endless, law)

@@ -13,7 +13,7 @@ from dh2urdf.cells.cell import ArmCall, Cell, CellCall, compose, expected_poses_
 from dh2urdf.columns import in_columns
 from dh2urdf.errors import ProofError, RecordError
 from dh2urdf.kinematics import KinematicChain
-from dh2urdf.kinematics.chain import as_matrices, screws_of_table
+from dh2urdf.kinematics.chain import as_matrices, link_poses, screws_of_table
 from dh2urdf.kinematics.comparison import changes, compare
 from dh2urdf.kinematics.expected_poses import ExpectedPoses, proof_vectors
 from dh2urdf.kinematics.facts import kinematic_facts
@@ -22,7 +22,7 @@ from dh2urdf.kinematics.proof import Proof, prove, prove_columns
 from dh2urdf.manipulator import Convention, DHRow, Follower, JointType, Limits, Manipulator
 from dh2urdf.plugin_system import load
 from dh2urdf.report.figures import arm_skeleton, robot_skeleton
-from dh2urdf.robot import Origin, Robot
+from dh2urdf.robot import Joint, Link, Origin, Robot
 from dh2urdf.source import Mark
 from dh2urdf.testing import oracle
 from dh2urdf_plugins.formats.urdf.reader import parse_urdf
@@ -176,7 +176,7 @@ def test_a_file_is_proved_and_one_of_another_law_is_not(convention: str, frames:
     content, poses = urdf(robot), proof_vectors(expected, robot, 8)
     assert {len(q) for q in poses} == {3}
     written = parse_urdf(content, "arm")
-    assert written.followers == {row.joint: row.follows for row in table.rows if row.follows}
+    assert written.followers == table.followers
     chain = KinematicChain.between(written)
     assert chain.actuated == ("rail", "lift", "turn")
     for q in vectors(3):
@@ -223,6 +223,37 @@ def test_many_arms_are_proved_as_each_alone(convention: str) -> None:
         assert proof.q in proof_vectors(expected, robot, 5)
     wrong = [file.replace(b'multiplier="0.25"', b'multiplier="0.26"') for file in files]
     assert not any(proof.holds for proof in prove_columns(columns, robots, scan_columns(wrong), 5) if proof)
+
+
+def test_a_leader_on_another_branch() -> None:
+    """Both fingers move by the left one, the right tip by a follower of the right finger and by powers of that."""
+    laws = {"right": Follower("left", 0.5, 0.1, (0.25,)), "tip": Follower("right", -2.0, 0.3)}
+    joints = [
+        Joint(name=name, type=JointType.REVOLUTE, parent=parent, child=f"l_{name}", axis=axis, follows=laws.get(name))
+        for name, parent, axis in (
+            ("turn", "base", (0.0, 0.0, 1.0)),
+            ("right", "l_turn", (0.0, 1.0, 0.0)),
+            ("tip", "l_right", (0.0, 0.6, 0.8)),
+            ("left", "l_turn", (1.0, 0.0, 0.0)),
+        )
+    ]
+    placed = [replace(joint, origin=Origin(xyz=(0.3, 0.1, 0.2))) for joint in joints]
+    links = [Link(name=name) for name in ("base", *(joint.child for joint in placed), "end")]
+    held = Joint(name="e", type=JointType.FIXED, parent="l_tip", child="end", origin=Origin(xyz=(0.1, 0.2, 0.3)))
+    robot = Robot(name="hand", links=tuple(links), joints=(*placed, held))
+    moved = replace(robot, joints=tuple(replace(joint, follows=None) for joint in robot.joints))
+    assert KinematicChain.between(robot, "base", "end").actuated == ("turn", "left")
+    for turn, left in RNG.uniform(-1, 1, (5, 2)):
+        right = 0.1 + 0.5 * left + 0.25 * left**2
+        wanted = oracle.robot_pose(moved, [turn, right, 0.3 - 2.0 * right], "base", "end")
+        assert np.abs(robot.fk([turn, left], "end") - wanted).max() < 1e-14
+        assert np.abs(as_matrices(link_poses(robot, {"turn": turn, "left": left})["end"]) - wanted).max() < 1e-14
+        rate = 0.5 + 0.5 * left
+        alone = moved.jacobian([turn, right, 0.3 - 2.0 * right], "end")
+        led = np.c_[alone[:, 0], rate * (alone[:, 1] - 2.0 * alone[:, 2])]
+        assert np.abs(robot.jacobian([turn, left], "end") - led).max() < 1e-14
+        found = inverse_kinematics(robot, wanted, start=[turn + 0.05, left + 0.05], link="end")
+        assert found.reached
 
 
 # --- Limits and efforts -----------------------------------------------------------------------------------------------
@@ -286,7 +317,7 @@ def test_the_corrected_table_has_the_laws_of_the_description() -> None:
     for q in vectors(4):
         assert np.abs(found.corrected.fk(q) - table.fk(q)).max() < 1e-6
     assert any(
-        "follows: -2 * first + 0.1" in change for change in changes(replace(table, rows=tuple(turned)), found.corrected)
+        "follows: -lift - 0.3" in change for change in changes(replace(table, rows=tuple(turned)), found.corrected)
     )
 
 

@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from random import Random
+from types import MappingProxyType
 
 import pytest
 
@@ -47,8 +49,13 @@ def hold(child: str, *, parent: str = "base", x: float = 0.0, y: float = 0.0) ->
 
 
 def reasons(
-    links: list[Link], joints: list[Joint], options: PairOptions = OPTIONS, **more: Mapping[str, object]
+    links: list[Link],
+    joints: list[Joint],
+    options: PairOptions = OPTIONS,
+    followers: Mapping[str, Follower] = MappingProxyType({}),
+    **more: Mapping[str, object],
 ) -> dict[tuple[str, str], str]:
+    joints = [replace(joint, follows=followers.get(joint.name)) for joint in joints]
     mechanism = Mechanism(robot=Robot(name="test", links=tuple(links), joints=tuple(joints)), **more)  # type: ignore[arg-type]
     found = collision_pairs(mechanism, lambda _: (b"", ".stl"), options)
     return {(pair.link1, pair.link2): pair.reason for pair in found.disabled}

@@ -8,7 +8,7 @@ from pinocchio_frames import pinocchio_frames
 
 from dh2urdf.kinematics import link_poses
 from dh2urdf.kinematics.chain import as_matrices
-from dh2urdf.robot import Follower, following, with_followers
+from dh2urdf.robot import Follower, with_followers
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf, foreign_urdf, foreign_xacro
 
 GRIPPER, SHAPES, IN_SDF, FOLLOWING = (
@@ -22,7 +22,7 @@ def test_a_urdf_that_no_table_holds(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"gripper{suffix}"
     path.write_text(GRIPPER.format(attributes="name='gripper'" if "xacro" in suffix else ""))
     found = foreign_urdf(path) if suffix == ".urdf" else foreign_xacro(path)
-    assert found.followers == {"b": Follower("a", -2.0, 0.25)}
+    assert found.robot.followers == {"b": Follower("a", -2.0, 0.25)}
     assert found.loose == {"c": "floating"}
     base, one, *_ = found.robot.links
     assert base.visuals[0].material
@@ -80,8 +80,7 @@ def test_a_mimic_joint_is_where_pinocchio_has_it(tmp_path: Path) -> None:
     path = tmp_path / "gripper.urdf"
     path.write_text(GRIPPER.format(attributes="name='gripper'").replace("floating", "fixed"))
     found = foreign_urdf(path)
-    followers = following(found.followers, ["a", "b"])
-    poses = link_poses(found.robot, with_followers({"a": 0.7}, followers))
+    poses = link_poses(found.robot, {"a": 0.7})
     held = pinocchio_frames(path, mimic=True)({"a": 0.7}, "two")
     assert as_matrices(poses["two"]) == pytest.approx(held, abs=1e-12)
 
@@ -94,7 +93,7 @@ def test_a_joint_equality_is_kept_where_mujoco_wants_it(tmp_path: Path, angle: s
     path.write_text(FOLLOWING.format(angle=angle, a=a, b=b))
     found = foreign_mjcf(path)
     assert found.folder == tmp_path / "assets"
-    followers = following(found.followers, [joint.name for joint in found.robot.moving_joints])
+    followers = found.robot.followers
     assert set(followers) == {"b", "c", "e"}
     values = with_followers({"a": 0.7}, followers)
     model = mujoco.MjModel.from_xml_path(str(path))
@@ -117,5 +116,5 @@ def test_an_sdf_mimic(tmp_path: Path) -> None:
         "<mimic joint='a'><multiplier>-2</multiplier><offset>0.05</offset><reference>0.1</reference></mimic>"
         "</axis></joint></model></sdf>"
     )
-    followers = foreign_sdf(path).followers
+    followers = foreign_sdf(path).robot.followers
     assert with_followers({"a": 0.4}, followers)["b"] == pytest.approx(-0.55)

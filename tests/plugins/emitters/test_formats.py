@@ -57,6 +57,7 @@ def assert_same_arm(found: Robot, robot: Robot) -> None:
     links = {link.name: link for link in found.links}
     joints = {joint.name: joint for joint in found.joints}
     assert {*links} - {"world"} == {link.name for link in robot.links} - {"world"}
+    assert found.followers == robot.followers
     for link in robot.links:
         if link.name != robot.root:
             for at in (dict.fromkeys(values, 0.0), values):

@@ -197,7 +197,7 @@ def test_a_link_moves_as_far_as_it_is_dragged(
 @pytest.mark.parametrize(("by", "reached"), [(0.3, True), (-0.1, True), (-5.0, False)])
 def test_a_link_that_follows_by_a_parabola_moves_as_far_as_it_is_dragged(by: float, *, reached: bool) -> None:
     """By b = 0.1 + a + a²; it turns back at -0.15, and is not dragged beyond."""
-    grip = Grip("a", "b", (0.0, 0.0, 1.0), slides=False, is_endless=False, followers=(Follower("a", 1.0, 0.1, (1.0,)),))
+    grip = Grip("a", "b", (0.0, 0.0, 1.0), slides=False, is_endless=False, law=Follower("a", 1.0, 0.1, (1.0,)))
     value = grip.value(0.2, by)
     if reached:
         assert 0.1 + value + value * value == pytest.approx(0.1 + 0.2 + 0.04 + by)

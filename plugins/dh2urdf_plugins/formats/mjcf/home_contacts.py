@@ -9,11 +9,8 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from dh2urdf.kinematics import joint_motion
-from dh2urdf.manipulator import JointType
-from dh2urdf.robot import with_followers
+from dh2urdf.kinematics import link_poses
 from dh2urdf.robot_check.contacts import capsule_around, overlap, placed_capsule
-from dh2urdf.rotations import IDENTITY
 from dh2urdf_plugins.home_pose import stepped
 
 if TYPE_CHECKING:
@@ -23,15 +20,9 @@ if TYPE_CHECKING:
 def touching_at_home(robot: Robot) -> list[tuple[str, str]]:
     """The pairs of links that touch at home, or where all joints have made a step from there, to either side."""
     capsules = {link.name: [each for each in map(capsule_around, link.collisions) if each] for link in robot.links}
-    origins = {joint.name: joint.origin.transform for joint in robot.joints}
     found: dict[tuple[str, str], None] = {}
     for steps in (0.0, -1.0, 1.0):
-        values = with_followers({each.name: stepped(each, steps) for each in robot.actuated_joints}, robot.followers)
-        frames = {robot.root: IDENTITY}
-        for joint in robot.joints:  # Parents before children.
-            frames[joint.child] = frames[joint.parent] @ origins[joint.name]
-            if joint.type is not JointType.FIXED:
-                frames[joint.child] @= joint_motion(joint, values[joint.name])
+        frames = link_poses(robot, {each.name: stepped(each, steps) for each in robot.actuated_joints})
         placed = [(name, placed_capsule(each, frames[name])) for name, shapes in capsules.items() for each in shapes]
         for (first, one), (second, other) in combinations(placed, 2):
             if first != second and overlap(one, other):

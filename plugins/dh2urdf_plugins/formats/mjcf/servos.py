@@ -14,7 +14,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from dh2urdf.kinematics.mass import GRAVITY
-from dh2urdf.manipulator import JointType
+from dh2urdf.manipulator import Follower, JointType
 from dh2urdf.rotations import cross, norm, total
 from dh2urdf_plugins.home_pose import SLIDING
 
@@ -103,9 +103,8 @@ def _loads(robot: Robot) -> tuple[dict[str, float], dict[str, float]]:
         reaches = total(_unit(each) * lever for each, lever, _ in levers)
         turning = sum(each.type is not JointType.PRISMATIC for each, _, _ in levers)
         for each, lever, turns in levers:
-            name, rate = each.name, 1.0  # The leader of a joint bears what the joint moves.
-            while follower := followers.get(name):
-                name, rate = follower.leader, rate * abs(follower.multiplier)
+            law = followers.get(each.name, Follower(each.name))  # The leader of a joint bears what the joint moves.
+            name, rate = law.leader, abs(law.multiplier)
             if name:
                 weight[name] += rate * GRAVITY * mass * lever
                 inertia[name] += rate * (mass * lever * reaches / _unit(each) + turns * turning)

@@ -14,7 +14,7 @@ from lxml import etree
 from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
-from dh2urdf.robot import Box, Cylinder, Mesh, Sphere, Visual, leader_of, with_followers
+from dh2urdf.robot import Box, Cylinder, Follower, Mesh, Sphere, Visual, with_followers
 from dh2urdf.rotations import ZERO, quaternion_from_rotation
 from dh2urdf.stages import EmittedFile
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
@@ -201,11 +201,8 @@ class _Model:
         """Appends a constraint for every joint that follows another one, and names the joint that leads both."""
         followers = self._robot.followers
         equality = etree.SubElement(root, "equality") if followers else root
-        for name, follower in followers.items():
-            law = follower
-            while (leader := followers.get(law.leader)) and (whole := law.behind(leader)) is not law:
-                law = whole
-            numbers = (law.offset, law.multiplier, *law.higher, 0.0, 0.0, 0.0)[:5]
+        for name, law in followers.items():
+            numbers = (*law.factors, 0.0, 0.0, 0.0)[:5]
             joints = {"joint1": self._notation.name(name)}
             joints |= {"joint2": self._notation.name(law.leader)} if law.leader else {}
             etree.SubElement(equality, "joint", {**joints, "polycoef": self._notation.numbers(numbers)})
@@ -263,11 +260,8 @@ def _carried(robot: Robot, servos: Collection[str]) -> Iterator[str]:
     moved, limp, followers = set[str](), set[str](), robot.followers
     for joint in robot.joints:  # Parents before children.
         moves = joint.type is not JointType.FIXED
-        if (
-            joint.parent in limp
-            or joint.child in robot.floating
-            or (moves and leader_of(joint.name, followers) not in servos)
-        ):
+        leader = followers.get(joint.name, Follower(joint.name)).leader
+        if joint.parent in limp or joint.child in robot.floating or (moves and leader not in servos):
             limp.add(joint.child)
         elif moves or joint.parent in moved:
             moved.add(joint.child)

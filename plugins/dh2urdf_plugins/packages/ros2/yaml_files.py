@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from lxml import etree
 
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.robot import leader_of
+from dh2urdf.robot import Follower
 from dh2urdf_plugins.formats.urdf.writer import INERTIA, LIMITS_OF
 from dh2urdf_plugins.formats.xacro.writer import without_attachments
 from dh2urdf_plugins.home_pose import initial_position
@@ -73,7 +73,8 @@ class ControlledJoints(NamedTuple):
         elements = map(etree.fromstring, self.attachment.elements if self.attachment else ())
         own = {each.get("name") for system in elements if system.tag == "ros2_control" for each in system.iter("joint")}
         moving, followers = self.robot.moving_joints, self.robot.followers
-        others = [each for each in moving if own.isdisjoint((each.name, leader_of(each.name, followers)))]
+        pairs = [(each, followers.get(each.name, Follower(each.name)).leader) for each in moving]
+        others = [each for each, leader in pairs if own.isdisjoint((each.name, leader))]
         return replace_unchecked(self.robot, joints=tuple(others))
 
 

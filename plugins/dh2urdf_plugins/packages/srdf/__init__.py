@@ -72,9 +72,7 @@ def annotate(path: Path, expansion: Expansion, earlier: Path | None, options: Sr
             raise InputError(say("collision-mesh-missing", Mark(file=str(path)), mesh=shape.filename))
         return read_bytes(file, InputError, limit=LARGEST), file.suffix.lower()
 
-    mechanism = Mechanism(
-        robot=description.robot, followers=description.followers, loose=description.loose, file=description.file
-    )
+    mechanism = Mechanism(robot=description.robot, loose=description.loose, file=description.file)
     pairs = collision_pairs(mechanism, mesh, options)
     if content is None:
         return Annotation(content=new_file(description.robot, pairs.disabled), summary=pairs.summary)

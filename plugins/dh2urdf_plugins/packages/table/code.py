@@ -25,6 +25,7 @@ from dh2urdf.manipulator import ROOT, TOOL, Convention, Follower, JointType
 from dh2urdf.quantities import UNITS, format_number, number_in
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, free_name
+from dh2urdf.table_text.texts import law_text
 from dh2urdf_plugins.formats import numbered_name
 from dh2urdf_plugins.packages.templates import filled
 
@@ -215,9 +216,10 @@ def _link(row: DHRow) -> list[str]:
 def _led(arm: Manipulator, value: Callable[[int], str]) -> Iterator[str]:
     """The value of each moving joint, of those of the joints that follow none."""
     numbers = {row.joint: number for number, row in enumerate(arm.actuated_rows)}
+    followers = arm.followers
     for row in arm.moving_rows:
-        law = arm.followers.get(row.joint, Follower(row.joint))
-        yield law._replace(leader=value(numbers[law.leader])).text(_number(row)(law.offset))
+        law = followers.get(row.joint, Follower(row.joint))
+        yield law_text(law._replace(leader=value(numbers[law.leader])), _number(row)(law.offset))
 
 
 def _array(rows: Sequence[Sequence[str]]) -> str:

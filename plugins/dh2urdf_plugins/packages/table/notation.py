@@ -13,7 +13,7 @@ from dh2urdf.manipulator import JointType
 from dh2urdf.quantities import UNITS, number_in
 from dh2urdf.source import markdown_text
 from dh2urdf.table_text import PARAMETERS
-from dh2urdf.table_text.texts import transform_text
+from dh2urdf.table_text.texts import law_text, transform_text
 from dh2urdf_plugins.packages.templates import filled
 
 if TYPE_CHECKING:
@@ -114,8 +114,8 @@ def _cells_of(arm: Manipulator, options: TableOptions, notation: Notation) -> tu
             cells += [text and f"{notation.formula}{text}{notation.formula}" for text in texts]
         if arm.followers:
             unit = length if row.type is JointType.PRISMATIC else angle
-            law = row.follows.text(f"{number_in(row.follows.offset, unit)} {unit.symbol}") if row.follows else ""
-            cells.append(notation.text(law))
+            law = row.follows and law_text(row.follows, f"{number_in(row.follows.offset, unit)} {unit.symbol}")
+            cells.append(notation.text(law or ""))
         rows.append(cells)
     return rows, [unit.symbol for unit in units]
 

@@ -150,6 +150,9 @@ class ManipulatorEntry(TypedDict):
     notices: Annotated[list[ProblemEntry], "what a careful person would want to know"]
     errors: Annotated[list[ProblemEntry], "why it failed"]
     meshes: NotRequired[Annotated[list[MeshEntry], "the copies of meshes that its files name"]]
+    tools: NotRequired[
+        Annotated[list[str], "links of attachments that are tools in place of tool0; of several on an arm the last"]
+    ]
     pictures: NotRequired[Annotated[dict[str, _Sha256], "the pictures that simulators took, by their names"]]
     not_loaded: NotRequired[
         Annotated[

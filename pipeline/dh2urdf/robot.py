@@ -266,6 +266,11 @@ class Robot(Record):
         return frozenset(each.prefix + name for each in self.attachments for name in each.names)
 
     @property
+    def tips(self) -> tuple[str, ...]:
+        """The links of attachments that are tools in place of tool0; of several on one arm the last counts."""
+        return tuple(each.prefix + each.tip for each in self.attachments if each.tip is not None)
+
+    @property
     def mass(self) -> float:
         """Mass of all links [kg]."""
         return total(link.inertial.mass for link in self.links if link.inertial)

@@ -146,6 +146,7 @@ export default {
     show(drawing, poses) {
       this.shownNow = [drawing, poses];
       this.reach = drawing.reach;
+      this.tool = drawing.tool;
       this.worn.push(...emptied(this.arm));
       this.nodes = drawing.nodes.map((node, number) => this.node(node, number));
       for (const node of this.nodes) this.arm.add(node);
@@ -168,8 +169,8 @@ export default {
       });
       this.worn.push(...emptied(this.strokes));
       for (const stroke of strokes) this.strokes.add(this.stroke(stroke));
-      const tool0 = this.nodes.find((node) => node.name === "tool0");
-      if (tool0) this.handle.position.setFromMatrixPosition(tool0.matrix);
+      const tool = this.nodes.find((node) => node.name === this.tool);
+      if (tool) this.handle.position.setFromMatrixPosition(tool.matrix);
       this.handle.scale.setScalar(0.035 * this.reach);
       this.stretch();
       this.keepPicked();

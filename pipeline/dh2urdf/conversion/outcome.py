@@ -71,6 +71,7 @@ class Outcome:
         not_loaded: why others were not, by their names.
         pictures: the pictures that simulators took, by their names.
         meshes: the mesh files that its files name by their copies.
+        tools: the links of attachments that are tools in place of tool0.
         notices: what a careful person would want to know.
         errors: why it failed.
         traceback: where a stage failed, for ``--debug``.
@@ -89,6 +90,7 @@ class Outcome:
     not_loaded: dict[str, NotLoaded] = field(default_factory=dict)
     pictures: dict[str, bytes] = field(default_factory=dict)
     meshes: tuple[MeshFile, ...] = ()
+    tools: tuple[str, ...] = ()
     notices: tuple[Problem, ...] = ()
     errors: tuple[Problem, ...] = ()
     traceback: str = ""
@@ -117,6 +119,8 @@ class Outcome:
         }
         if self.meshes:
             row["meshes"] = [{"path": copy_path(file), "sha256": file.sha256} for file in self.meshes]
+        if self.tools:
+            row["tools"] = [*self.tools]
         if self.pictures:
             row["pictures"] = {name: sha256(picture).hexdigest() for name, picture in self.pictures.items()}
         if self.not_loaded:

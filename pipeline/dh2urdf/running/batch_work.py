@@ -354,7 +354,8 @@ class Work:
         done = [places[member] for member in whole]
         names = [columns.names[member] for member in whole]
         of_readers, drawn = self.batch.of_readers, self.drawn
-        alike = Outcome(name="", status="ok", source="", keeps_kinematics=self.recipe.keeps_kinematics, meshes=meshes)
+        keeps, tools = self.recipe.keeps_kinematics, robots.robot.tips
+        alike = Outcome(name="", status="ok", source="", keeps_kinematics=keeps, meshes=meshes, tools=tools)
         told = [many_unchecked(notice, len(whole), robot=names) for notice in notices]
         own_notices = zip(*told, strict=True) if told else repeat(())
         outcomes = many_unchecked(
@@ -427,7 +428,7 @@ class Work:
                 with timed(seconds, "transform"):
                     robot, expected = make_item(what, recipe.transform, recipe.edits)
                     robot = with_notices(with_copies(robot, recipe), recipe.emitters)
-                outcome = replace(outcome, notices=(*outcome.notices, *robot.notices))
+                outcome = replace(outcome, notices=(*outcome.notices, *robot.notices), tools=robot.tips)
                 if self.worker.effect is Depth.LOOK:
                     return outcome
                 with self.copies.workplace(robot, loads=bool(loaders)) as folder:

@@ -73,6 +73,11 @@ class Figure:
     )  # types that no table has of joints, which are fixed in the robot
     notices: tuple[Problem, ...] = ()  # what is in its file and could not be read
 
+    @property
+    def tool(self) -> str:
+        """The link that goes where a person wants it: tool0, or the tip of what is attached."""
+        return (TOOL, *self.robot.tips)[-1]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawing:
@@ -159,7 +164,8 @@ class Drawing:
                 for part in node.parts
             ]
             nodes.append(own)
-        return {"reach": self.reach, "nodes": nodes}
+        tool = self.figures[0].name + self.figures[0].tool if self.figures else TOOL
+        return {"reach": self.reach, "tool": tool, "nodes": nodes}
 
 
 def numbers(pose: RigidTransform) -> list[float]:

@@ -7,10 +7,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.conversion.robots import edited_table
-from dh2urdf.kinematics.chain import KinematicChain, angle_error, dh_frames, forward_kinematics, position_error
-from dh2urdf.manipulator import ROOT, TOOL, Convention, JointType, Manipulator
+from dh2urdf.kinematics.chain import (
+    KinematicChain,
+    angle_error,
+    dh_frames,
+    forward_kinematics,
+    link_poses,
+    position_error,
+)
+from dh2urdf.kinematics.inverse import ATTEMPTS, InverseSolution, inverse_kinematics
+from dh2urdf.manipulator import ROOT, TOOL, Convention, DHRow, JointType, Manipulator
 from dh2urdf.plugin_system.calls import Call
-from dh2urdf.robot import Robot
+from dh2urdf.robot import Joint, Robot
 from dh2urdf.rotations import IDENTITY, RigidTransform
 from dh2urdf.source import Problem
 from dh2urdf.stages import Edit
@@ -302,6 +310,41 @@ class Session(Tab):
     def pose(self) -> RigidTransform | None:
         """T(base_link → tool0) of the table at the pose on the screen: the DH product."""
         return None if self.arm is None else forward_kinematics(self.arm.manipulator, self.vector)
+
+    @property
+    def tool(self) -> str:
+        """The link that goes where a person wants it: tool0, or the tip of what is attached."""
+        return (TOOL, *(self.arm.robot.tips if self.arm else ()))[-1]
+
+    @property
+    def tool_pose(self) -> RigidTransform | None:
+        """T(base_link → tool) at the pose on the screen."""
+        if self.arm is None or self.tool == TOOL:
+            return self.pose
+        return link_poses(self.arm.robot, self.q)[self.tool]
+
+    def search(self, pose: RigidTransform, attempts: int = ATTEMPTS) -> tuple[dict[str, float], InverseSolution]:
+        """The values of the joints that bring the tool of the arm to a pose, and how near; a `LookupError` without arm.
+
+        A joint that turns without end stays within a turn.
+        """
+        if self.arm is None:
+            raise LookupError("there is no arm")
+        if self.tool == TOOL:
+            table = self.arm.manipulator
+            moving: list[tuple[str, DHRow | Joint]] = [(row.joint, row) for row in table.actuated_rows]
+            found = inverse_kinematics(table, pose, self.vector, attempts=attempts)
+        else:
+            robot, tool = self.arm.robot, self.tool
+            joints_of_robot = {joint.name: joint for joint in robot.joints}
+            way = KinematicChain.between(robot, robot.root, tool)
+            moving = [(name, joints_of_robot[name]) for name in way.actuated]
+            found = inverse_kinematics(robot, pose, self.q, link=tool, attempts=attempts)
+        values = {}
+        for (name, joint), value in zip(moving, found.q, strict=True):
+            turns = joint.type is not JointType.PRISMATIC and joint.limits.lower is None
+            values[name] = math.remainder(value, math.tau) if turns else value
+        return values, found
 
     @property
     def reach(self) -> float:

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 from nicegui import run, ui
 
 from dh2urdf.errors import InputError
-from dh2urdf.kinematics.chain import forward_kinematics
-from dh2urdf.kinematics.inverse import InverseSolution, dexterity, inverse_kinematics
-from dh2urdf.manipulator import JointType
+from dh2urdf.kinematics.inverse import InverseSolution, dexterity
 from dh2urdf.quantities import evaluate
 from dh2urdf.quantities.units import UNITS, Dimension, QuantityError, Unit
 from dh2urdf.rotations import (
+    IDENTITY,
     IDENTITY_ROTATION,
     RigidTransform,
     quaternion_from_rotation,
@@ -26,7 +25,6 @@ from dh2urdf_studio.widgets import Panel, row_of, toggle
 from dh2urdf_studio.words import USUAL, decimals, short
 
 if TYPE_CHECKING:
-    from dh2urdf.manipulator import Manipulator
     from dh2urdf.table_text import TableText
     from dh2urdf_studio.editing.session import OpenArm
 
@@ -51,7 +49,7 @@ class TargetPanel(Panel):
         self._searches = 0
         self._dragged = IDENTITY_ROTATION  # how tool0 was turned when the handle was taken
         with row_of():
-            ui.label("T(base_link → tool0)").classes("studio-caption")
+            self._caption = ui.label("T(base_link → tool0)").classes("studio-caption")
             self._turn = toggle([*TURNS], "how the orientation is written", self.show, next(iter(TURNS)))
         with row_of():
             for name in (*PLACE, *sum(TURNS.values(), ())):
@@ -74,7 +72,8 @@ class TargetPanel(Panel):
 
     def _show_arm(self, arm: OpenArm) -> None:
         """Show the pose, and what the arm can do from here."""
-        session, pose = self._session, forward_kinematics(arm.manipulator, self._session.vector)
+        session, pose = self._session, self._session.tool_pose or IDENTITY
+        self._caption.set_text(f"T(base_link → {session.tool})")
         length, angle = UNITS[arm.table.length_unit], UNITS[arm.table.angle_unit]
         rpy, quaternion = TURNS.values()
         values = {name: (length, value) for name, value in zip(PLACE, pose.translation, strict=True)}
@@ -133,8 +132,8 @@ class TargetPanel(Panel):
         self._searches += 1
         number = self._searches
         try:
-            search: asyncio.Future[InverseSolution | None] = asyncio.ensure_future(
-                run.io_bound(inverse_kinematics, arm.manipulator, self._pose(arm.table), self._session.vector)
+            search: asyncio.Future[tuple[dict[str, float], InverseSolution] | None] = asyncio.ensure_future(
+                run.io_bound(self._session.search, self._pose(arm.table))
             )
             done, _ = await asyncio.wait({search}, timeout=_PATIENCE)
             if not done:
@@ -145,28 +144,24 @@ class TargetPanel(Panel):
             return
         is_newest = number == self._searches and self._session.arm is arm
         if found is not None and is_newest:  # else the studio ends, or something else was asked for meanwhile
-            self._keeps_texts = not found.reached
-            self._take(arm.manipulator, found)
+            self._keeps_texts = not found[1].reached
+            self._take(*found)
             self._keeps_texts = False
 
     def drag(self, x: float, y: float, z: float, *, begins: bool) -> None:
-        """Follow the handle: tool0 comes to a place [m], turned as it was when the handle was taken."""
-        arm, pose = self._session.arm, self._session.pose
+        """Follow the handle: the tool comes to a place [m], turned as it was when the handle was taken."""
+        arm, pose = self._session.arm, self._session.tool_pose
         if arm is None or pose is None:
             return
         if begins:
             self._dragged = pose.rotation
         target = RigidTransform(self._dragged, (x, y, z))
-        found = inverse_kinematics(arm.manipulator, target, self._session.vector, attempts=1)
-        self._take(arm.manipulator, found)
+        self._take(*self._session.search(target, attempts=1))
 
-    def _take(self, arm: Manipulator, found: InverseSolution) -> None:
-        values = {}
-        for row, value in zip(arm.actuated_rows, found.q, strict=True):
-            turns = row.type is not JointType.PRISMATIC and row.limits.lower is None
-            values[row.joint] = math.remainder(value, math.tau) if turns else value
+    def _take(self, values: dict[str, float], found: InverseSolution) -> None:
         self._session.move(values)
         self._on_move()
         far = float(f"{found.position_error * 1000.0:.3g}")  # and no power of ten: 1080
-        short_of = f"tool0 is {far:g} mm and {math.degrees(found.angle_error):.3g}° from it."
-        self._answer.set_text("tool0 is there" if found.reached else f"The arm cannot reach this pose: {short_of}")
+        tool = self._session.tool
+        short_of = f"{tool} is {far:g} mm and {math.degrees(found.angle_error):.3g}° from it."
+        self._answer.set_text(f"{tool} is there" if found.reached else f"The arm cannot reach this pose: {short_of}")

@@ -1,4 +1,4 @@
-// What is pointed at and dragged: links, which turn or slide with their joints, and the handle at tool0. What a person
+// What is pointed at and dragged: links, which turn or slide with their joints, and the handle at the tool. What a person
 // wants is sent one at a time; the newest follows when the one before has been answered.
 import { THREE } from "nicegui-scene";
 

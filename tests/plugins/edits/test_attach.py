@@ -352,3 +352,19 @@ def test_links_of_a_file_have_any_order(convert: Callable[..., tuple[Path, Robot
             if shape.geometry == Box(size=(1.0, 1.0, 1.0))
         ]
         assert shape
+
+
+@pytest.mark.parametrize("emitter", ["urdf", "srdf"])
+def test_the_report_names_the_tool(emitter: str, tmp_path: Path) -> None:
+    """Of one arm and of its variants, which are made side by side; a group of the SRDF ends there."""
+    (tmp_path / "arm.csv").write_text(TABLE, "utf-8")
+    (tmp_path / "hand.urdf").write_text(HAND, "utf-8")
+    variations = [{"name": "v", "of": "arm", "count": 3, "vary": {"joints": 1, "field": "a", "uniform": [0.3, 0.5]}}]
+    attach = {"stage": "attach", "options": {"file": str(tmp_path / "hand.urdf"), "name": "hand", "tip": "tool0"}}
+    run = {"inputs": str(tmp_path / "arm.csv"), "edits": [attach], "emitters": [emitter], "variations": variations}
+    rows = dh2urdf.run({**run, "output": str(tmp_path / "out")})["manipulators"]
+    assert [row["tools"] for row in rows] == [["hand_tool0"]] * 4
+    for srdf in tmp_path.rglob("*.srdf"):
+        assert etree.parse(str(srdf)).find("group/chain").get("tip_link") == "hand_tool0"
+    (row,) = dh2urdf.run({**run, "edits": [], "variations": [], "output": str(tmp_path / "bare")})["manipulators"]
+    assert "tools" not in row

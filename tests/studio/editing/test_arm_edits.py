@@ -56,6 +56,33 @@ def test_a_hand_is_drawn_and_moves(session: Session) -> None:
     assert np.allclose(poses(session)["tool0"], every["tool0"])
 
 
+def test_the_target_is_the_tip(session: Session) -> None:
+    """Its own joint moves a tip on a finger, too; Pinocchio has the tip where it was wanted."""
+    pinocchio = pytest.importorskip("pinocchio")
+    session.edit_arm([ATTACH.replace("name: hand", "name: hand, tip: left_finger")])
+    assert session.tool == "hand_left_finger"
+    assert session.drawing.as_json()["tool"] == "hand_left_finger"
+    session.move({"shoulder_lift_joint": -1.2, "elbow_joint": 1.4, "wrist_1_joint": -0.8, "hand_left": 0.3})
+    wanted = session.tool_pose
+    assert wanted is not None
+    assert np.allclose(as_matrices(wanted), poses(session)["hand_left_finger"], atol=1e-12)
+    session.move({"elbow_joint": 1.3, "hand_left": 0.1, "wrist_3_joint": 0.2})
+    values, found = session.search(wanted)
+    assert found.reached
+    assert "hand_left" in values
+    session.move(values)
+    urdf = save.saved(session.table, "robot", "urdf", "exact", session.catalog, session.changes).content
+    model = pinocchio.buildModelFromXML(urdf.decode(), mimic=True)
+    data, q = model.createData(), pinocchio.neutral(model)
+    for name, value in session.q.items():
+        q[model.joints[model.getJointId(name)].idx_q] = value
+    pinocchio.framesForwardKinematics(model, data, q)
+    tip = data.oMf[model.getFrameId("hand_left_finger")].homogeneous
+    assert np.allclose(tip, as_matrices(wanted), atol=1e-8)
+    session.edit_arm([ATTACH])
+    assert (session.tool, session.tool_pose) == ("tool0", session.pose)
+
+
 def test_fingers_are_dragged(session: Session) -> None:
     """The finger that follows moves the one that leads: 5 mm of it are 0.1 rad."""
     session.edit_arm([ATTACH])

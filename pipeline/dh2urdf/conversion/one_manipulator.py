@@ -162,7 +162,8 @@ def with_notices(robot: Robot, emitters: Iterable[Call[Emitter[Any]]]) -> Robot:
         if gives := call.stage.can(GivesNotices):
             with blaming(call, "notices"):
                 found = several_records(gives.notices(robot, call.options), Problem)
-            notices.update(dict.fromkeys(replace(each.about(robot=robot.name), severity="notice") for each in found))
+            for each in found:
+                notices[replace(each.about(robot=robot.name), severity="notice")] = None
     return replace(robot, notices=tuple(notices))
 
 

@@ -7,7 +7,7 @@ import re
 import unicodedata
 from contextlib import contextmanager, suppress
 from errno import EACCES, EBADF, EDQUOT, EISDIR, ENAMETOOLONG, ENOSPC, EPERM, EROFS
-from itertools import permutations, product, takewhile
+from itertools import permutations, product
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
@@ -157,7 +157,11 @@ def staging(directory: Path) -> Iterator[Path]:
     Raises:
         OutputError: the folder cannot be made.
     """
-    new = list(takewhile(lambda place: not is_there(place), (directory, *directory.parents)))
+    new: list[Path] = []
+    for place in (directory, *directory.parents):
+        if is_there(place):
+            break
+        new.append(place)
     make_folder(directory)
     # The name is known before there is a folder of it, and an interrupt, which may come between any two steps and while
     # the folder is being removed, has it removed again: so nothing is left at any moment.

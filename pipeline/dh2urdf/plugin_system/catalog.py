@@ -280,7 +280,8 @@ class Catalog:
         (winner,) = claims
         if warn:
             others = [plugin for plugin in self._plugins if plugin is not winner.plugin]
-            self._warn(winner, "", [each for each in others if self._stages.known(kind, name, each)], name)
+            if claiming := [each for each in others if self._stages.known(kind, name, each)]:
+                self._warn(winner, "", claiming, name)
         return winner.stage
 
     def _warn(self, winner: Provided, use: str, others: Iterable[Plugin], name: str) -> None:

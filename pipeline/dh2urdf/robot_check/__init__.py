@@ -60,7 +60,8 @@ def check_robot(robot: Robot) -> tuple[Problem, ...]:
     for link in robot.links:
         problems += _body_problems(link, joint_to.get(link.name), is_foreign=link.name in foreign)
         problems += _shape_problems(link, joint_to.get(link.name))
-    problems += [*_weightless_chains(robot, joint_to), *_weightless_bases(robot, joint_to), *_formula_problems(robot)]
+    bases = _weightless_bases(robot, joint_to) if robot.floating else ()
+    problems += [*_weightless_chains(robot, joint_to), *bases, *_formula_problems(robot)]
     if robot.arms and all(problem.severity == "notice" for problem in problems):
         from dh2urdf.robot_check.contacts import arm_overlaps
 
@@ -289,7 +290,7 @@ def _weightless_bases(robot: Robot, joint_to: dict[str, Joint]) -> Iterator[Prob
     """What floats moves: with its own links that fixed joints hold to it, it has a mass."""
     wholes = [(each.prefix, each.robot) for each in robot.attachments]
     wholes += [(arm.prefix, arm.kind) for arm in robot.arms]
-    for prefix, whole in wholes if robot.floating else ():
+    for prefix, whole in wholes:
         weighing = {link.name for link in whole.links if link.inertial and link.inertial.mass}
         for joint in reversed(whole.held_rigidly):  # Children before parents.
             if joint.child in weighing:

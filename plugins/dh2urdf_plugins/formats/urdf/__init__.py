@@ -32,12 +32,15 @@ class UrdfOptions:
 
 def emit(robot: Robot, stem: str, options: UrdfOptions) -> tuple[EmittedFile]:
     """The URDF of a robot, as ``<stem>.urdf``."""
-    from dh2urdf.cells.floating import without_world
     from dh2urdf_plugins.formats.urdf.profiles import PROFILES, adapted, append_transmissions
     from dh2urdf_plugins.formats.urdf.writer import Notation, check_lines, serialise, urdf_tree
 
     notation, profile = Notation(options.version), PROFILES[options.profile]
-    robot = without_world(adapted(robot, profile))
+    robot = adapted(robot, profile)
+    if robot.floating:
+        from dh2urdf.cells.floating import without_world
+
+        robot = without_world(robot)
     name, is_shared = notation.text(robot.name), profile.shared_materials
     root = urdf_tree(robot, name, notation, mujoco=profile.mujoco_element, shared_materials=is_shared)
     if profile.transmissions:

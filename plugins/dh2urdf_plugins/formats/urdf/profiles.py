@@ -81,7 +81,7 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
 def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
     """What a person should know of the file of a profile."""
     name: ProfileName = options.profile
-    found = [*_settings_left_out(robot, PROFILES[name])]
+    found = [*_settings_left_out(robot, PROFILES[name])] if robot.attachments else []
     if name == "coppeliasim":
         from dh2urdf_plugins.coppeliasim_import import notices_for_coppeliasim
 
@@ -97,7 +97,7 @@ def _settings_left_out(robot: Robot, profile: Profile) -> Iterator[Problem]:
     """The settings for MuJoCo in the files of attachments that the file of the whole robot has otherwise."""
     from dh2urdf_plugins.formats.urdf.writer import Notation, append_mujoco
 
-    if robot.attachments and profile.mujoco_element:
+    if profile.mujoco_element:
         for name, setting, kept in append_mujoco(etree.Element("robot"), robot, Notation()):
             yield say("mujoco-setting-left-out", name=name, setting=setting, kept=kept)
 

@@ -157,7 +157,8 @@ def append_robot(parent: etree._Element, robot: Robot, notation: Notation, *, sh
         if joint := joint_to.get(link.name):
             _append_joint(parent, joint, notation, is_foreign=joint.name in foreign)
         _append_link(parent, link, notation, shared_materials=shared_materials)
-    parent.extend([each for _, each in _carried(robot, notation, notation.name) if each.tag != "mujoco"])
+    if robot.attachments:
+        parent.extend([each for _, each in _carried(robot, notation, notation.name) if each.tag != "mujoco"])
 
 
 def materials_of(robot: Robot) -> dict[str, Material]:
@@ -193,7 +194,7 @@ def append_mujoco(parent: etree._Element, robot: Robot, notation: Notation) -> l
     whole, lost = etree.SubElement(parent, "mujoco"), list[tuple[str, str, str]]()
     options = {"fusestatic": "false", "discardvisual": "false"}
     etree.SubElement(whole, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
-    for attachment, element in _carried(robot, notation, notation.text):
+    for attachment, element in _carried(robot, notation, notation.text) if robot.attachments else ():
         for child in element if element.tag == "mujoco" else ():
             if child.tag in READ_BY_MUJOCO:
                 lost += [(attachment.name, *each) for each in _merged(whole, child)]

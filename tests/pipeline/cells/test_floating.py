@@ -1,14 +1,16 @@
 """Arms and parts that nothing holds in the world, where MuJoCo, Drake, Pinocchio and PyBullet have them."""
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from lxml import etree
+from plain_frames import Matrix, rpy, shift, turn
+from two_fingers import TWO_JOINTS as TABLE
 
 import dh2urdf
 from dh2urdf.cells.floating import prove_floating
@@ -16,13 +18,6 @@ from dh2urdf.errors import EditError, InputError, ProofError
 from dh2urdf.testing.oracle import table_pose
 from dh2urdf_plugins.formats import read_mjcf, read_sdf
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    Matrix = np.ndarray[Any, Any]
-
-TABLE = "# convention: standard\nname, a, alpha, d\none, 0.4, pi/2, 0.1\ntwo, 0.3, 0, 0\n"
 BODY = '<inertial><origin xyz="0.01 0 0.1"/><mass value="{}"/><inertia ixx="1" iyy="1.5" izz="1.8" ixy="0.01" ixz="0" iyz="0"/></inertial>'
 CART = """<robot name="cart"><link name="foot">{foot}</link><link name="body">{body}</link><link name="plate"/><link name="wheel">{wheel}</link>
 <joint name="up" type="fixed"><parent link="foot"/><child link="body"/><origin xyz="0 0 0.13"/></joint>
@@ -56,25 +51,16 @@ def _out(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     return tmp_path / "out"
 
 
-def frame(xyz: tuple[float, ...], rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Matrix:
-    """A frame as URDF writes it, by other code than the house's."""
-    x, y, z = (np.array([[math.cos(a), -math.sin(a)], [math.sin(a), math.cos(a)]]) for a in rpy)
-    X, Y, Z, found = np.eye(3), np.eye(3), np.eye(3), np.eye(4)
-    X[1:, 1:], Z[:2, :2], Y[np.ix_([2, 0], [2, 0])] = x, z, y
-    found[:3, :3], found[:3, 3] = Z @ Y @ X, xyz
-    return found
-
-
-STARTS = [frame((0.3, 0.2, 0.4), (0.1, 0.2, 0.3)), frame((-1.0, 2.0, 3.0), (1.0, -0.5, 2.5))]
+STARTS = [shift(0.3, 0.2, 0.4) @ rpy(0.1, 0.2, 0.3), shift(-1.0, 2.0, 3.0) @ rpy(1.0, -0.5, 2.5)]
 """Where the base stands: as in the run file, and elsewhere."""
 Q = {"base_roll": 0.7, "arm_one": 0.4, "arm_two": -1.1}
 
 
 def wanted(start: Matrix) -> dict[str, Matrix]:
-    body = start @ frame((0.0, 0.0, 0.13))
-    plate = body @ frame((0.05, 0.0, 0.24), (0.0, 0.0, 0.3)) @ frame((0.2, 0.0, 0.0))
-    tool = plate @ np.array(table_pose(dh2urdf.read(TABLE), [Q["arm_one"], Q["arm_two"]])).reshape(4, 4)
-    return {"base_wheel": body @ frame((0.2, 0.3, 0.03)) @ frame((0, 0, 0), (0, Q["base_roll"], 0)), "arm_tool0": tool}
+    body = start @ shift(z=0.13)
+    plate = body @ shift(0.05, 0.0, 0.24) @ turn("z", 0.3) @ shift(0.2)
+    tool = plate @ table_pose(dh2urdf.read(TABLE), [Q["arm_one"], Q["arm_two"]])
+    return {"base_wheel": body @ shift(0.2, 0.3, 0.03) @ turn("y", Q["base_roll"]), "arm_tool0": tool}
 
 
 def quaternion(start: Matrix) -> tuple[float, float, float, float]:
@@ -131,7 +117,7 @@ def test_drake_has_a_quaternion(out: Path, suffix: str) -> None:
     assert plant.num_positions() == 3 + 7
     context, in_body = plant.CreateDefaultContext(), np.eye(4)
     if free.name() == "base_body":  # SDF knows bodies, and a root without a mass is a frame on one.
-        in_body = frame((0.0, 0.0, 0.13))
+        in_body = shift(z=0.13)
     for number, start in enumerate(STARTS):
         if number or suffix == "urdf":  # A URDF does not say where the robot stands.
             plant.SetFreeBodyPose(context, free, RigidTransform(start @ in_body))
@@ -228,8 +214,7 @@ def test_moveit_has_a_floating_virtual_joint(out: Path) -> None:
 
 
 def test_a_ros_2_package_has_its_root(tmp_path: Path) -> None:
-    """The expanded xacro of the package is the URDF's tree, and rviz and the test begin at its root."""
-    xacro = pytest.importorskip("xacro")
+    """MoveIt has a floating joint and no static transform from the world, and rviz does not begin there."""
     text = RUN.replace(
         "emitters: [urdf, xacro, mjcf, sdf, srdf]", "emitters: [{stage: ros2, options: {moveit: true}, only: cells}]"
     )
@@ -239,7 +224,6 @@ def test_a_ros_2_package_has_its_root(tmp_path: Path) -> None:
     assert "world" not in next(tmp_path.rglob("view_robot.rviz")).read_text("utf-8")
     (launches,) = tmp_path.rglob("move_group.launch.py")
     assert not [*launches.parent.glob("static_virtual_joint_tfs*")]
-    assert xacro is not None
 
 
 def test_two_float_in_mjcf_and_sdf(tmp_path: Path) -> None:

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from dh2urdf.source import Problem
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import Trace
-    from dh2urdf_plugins.readers.header.columns import RowSource
 
 __all__ = ["CellRow", "TableOptions", "read_table"]
 
@@ -74,7 +73,7 @@ def read_table(
 
 
 def read_rows(
-    source: RowSource,
+    source: CellRows,
     file: str,
     options: TableOptions,
     name: str,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from dh2urdf.documents import Node
 from dh2urdf.errors import TableError
@@ -19,10 +19,9 @@ from dh2urdf_plugins.readers.words.comment_lines import Comment, is_comment, joi
 from dh2urdf_plugins.readers.words.fields import convention_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from dh2urdf.table_text import CellRow
-    from dh2urdf_plugins.readers.header.columns import RowSource
 
 say = Messages(__file__)
 
@@ -30,6 +29,16 @@ SURE = 2
 """Fields of geometry that make a row a header beyond doubt."""
 MAX_TITLES = 1000
 """Rows that may be above the header."""
+
+
+class Above(Protocol):
+    """The rows of a table, read down to the header."""
+
+    def __iter__(self) -> Iterator[CellRow]:
+        """The rows one by one."""
+
+    def complete(self, header: CellRow) -> CellRow:
+        """The header with what the row below it adds: units, or names of columns that share a title."""
 
 
 @dataclass(slots=True)
@@ -43,7 +52,7 @@ class Top:
 
 
 def read_top(
-    rows: RowSource,
+    rows: Above,
     whole: Mark,
     statements: Mapping[str, Node] | None = None,
     *,

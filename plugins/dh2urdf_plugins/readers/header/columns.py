@@ -9,7 +9,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dh2urdf.errors import TableError
 from dh2urdf.manipulator import Convention, JointType
@@ -31,13 +31,11 @@ from dh2urdf_plugins.readers.words.fields import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Sequence
+    from collections.abc import Collection, Sequence
 
-    from dh2urdf.columns import PlaceInFile
     from dh2urdf.quantities import Quantity
     from dh2urdf.table_text import CellRow
     from dh2urdf_plugins.readers.words.cells import Cell, Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
     from dh2urdf_plugins.readers.words.fields import Field
 
 say = Messages(__file__)
@@ -97,36 +95,6 @@ class Rows:
     count: int = 0
     torn: bool = False  # other rows of the same manipulator stand elsewhere
     nameless: bool = False  # the column of robots is empty in some of them
-
-
-class RowSource(Protocol):
-    """A file of rows, as its format gives them: those down to the header one by one, and the others by the hundred.
-
-    The key of a row is what the format knows its place by: the number of a line, or more.
-    """
-
-    below: list[Comment]  # and notes below the header, which may define names for lengths
-
-    def __iter__(self) -> Iterator[CellRow]:
-        """The rows down to the header."""
-
-    def start(self, columns: Columns) -> Columns:
-        """Takes the columns that the header names, and gives them with those that hold numbers known."""
-
-    def batches(self) -> Iterator[tuple[Sequence[Any], Sequence[Row]]]:
-        """Some hundred rows below the header at a time, and the key of each."""
-
-    def complete(self, header: CellRow) -> CellRow:
-        """The header with what the row below it adds: units, or names of columns that share a title."""
-
-    def places(self, keys: Iterable[Any]) -> Iterable[PlaceInFile]:
-        """The places of rows in the file."""
-
-    def mark(self, key: Any) -> Mark:  # noqa: ANN401 - a key of its own
-        """The place of a row, with the file."""
-
-    def row(self, key: Any, cells: Row, number: int) -> tuple[CellRow, Iterable[Problem]]:  # noqa: ANN401
-        """A row, of a number within its manipulator: the place of each cell, and why they are not the columns'."""
 
 
 def name_columns(header: CellRow, ignore: Collection[str] = (), convention: Convention | None = None) -> Columns:

@@ -7,18 +7,17 @@ import csv
 import io
 import re
 from itertools import accumulate, chain, islice
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dh2urdf.documents import check_file, refuse_other_kind
 from dh2urdf.errors import TableError
+from dh2urdf.fields import many_unchecked
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf.table_text import REQUIRED, CellRow
-from dh2urdf_plugins.readers.comments.declared import comment_below
 from dh2urdf_plugins.readers.comments.top import MAX_TITLES
-from dh2urdf_plugins.readers.header.header_rows import completed, headers_in, text_in
+from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.sources.texts import DELIMITERS, MAX_HEADER, delimiter_of, fields_in, split
-from dh2urdf_plugins.readers.tables.cell_rows import Joints, choose, one_table, other_header, starts_table
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows, choose, one_table, other_header, starts_table
 from dh2urdf_plugins.readers.words.bounds import MAX_JOINTS
 from dh2urdf_plugins.readers.words.cells import SPACES, text_of
 from dh2urdf_plugins.readers.words.comment_lines import (
@@ -36,10 +35,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.columns import PlaceInFile
     from dh2urdf.source import Problem
     from dh2urdf_plugins.readers.header.columns import Columns, Row
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 MAX_LINE = 2**20
 """Length of a line: a file without line ends must not be held as one."""
@@ -55,8 +52,6 @@ _MARKS = {
     codecs.BOM_UTF16_BE: "utf-16",
 }
 """Encodings by their byte order marks, longer ones first where one begins another."""
-MAX_BELOW = 1000
-"""Comments below the header that are kept, for the names that they may define."""
 COMPUTED = "=+@-"
 """How a cell begins that a spreadsheet computes: names of that kind are written as texts, behind an apostrophe."""
 _GUARDED = re.compile(f"'+[{COMPUTED}]")
@@ -121,50 +116,58 @@ class _Line(NamedTuple):
     comment: bool
 
 
-class CsvRows:
+class CsvRows(CellRows):
     """The rows of a CSV file: comment lines of one cell each, the header, and what is below it.
 
-    The key of a row is the number of its line. Of several tables one is read, by its number.
+    Of several tables one is read, by its number.
     """
 
+    are_values = True
+
     def __init__(self, path: Path, number: int | None = None) -> None:
+        super().__init__(self._rows())
         self.path, self.file = path, str(path)
-        self.below: list[Comment] = []
         self.blocks = line_blocks(path) if number is None else iter([lines_of_table(path, number)])
-        self.lines: list[str] = []  # those that were read and not handed on
-        self.passed = 0  # lines before these
-        self.top: dict[int, _Line] = {}
         self.delimiter = ","
-        self.header: list[str] = []
-        self.width = self.needed = 0
-        self.joints = Joints([], 0, self.below)
         self.one_robot = True
         self.quoted: dict[int, str] = {}  # lines with quotes: lengths do not tell where their cells start
 
+    def _rows(self) -> Iterator[CellRow]:
+        """The rows one by one, down to where the header may be where no line names two of a, alpha, d and theta."""
+        lines = list(chain.from_iterable(islice(self.blocks, 2)))
+        top, header = self._top(lines)
+        for line in top:
+            if line.comment and line is not header:
+                yield from self._comments(line.text, line.number)
+            else:
+                yield self._cells(line.text, line.number)
+        if header:
+            yield from self._below(chain((lines[header.end :],), self.blocks), header.end)
+
     # --- The top ------------------------------------------------------------------------------------------------------
 
-    def __iter__(self) -> Iterator[CellRow]:
-        """The rows down to the header, or down to where it may be where no line names two of a, alpha, d and theta.
+    def _top(self, lines: Sequence[str]) -> tuple[list[_Line], _Line | None]:
+        """The lines down to the header, and the header, which shows the delimiter.
 
         One in a comment is the header, too, unless a header is below it.
         """
-        self.lines = list(chain.from_iterable(islice(self.blocks, 2)))
-        titles: list[str] = []
+        titles, top = list[str](), list[_Line]()
         header = separator = found = None
-        for line in self._top_lines():
+        for line in _top_lines(lines):
             if line.number == 1 and (match := re.fullmatch(_EXCEL_SEPARATOR, line.text)):
                 separator = match[1] if match[1] in DELIMITERS else None
                 continue
             text = (commented_header(line.text) or "") if line.comment else line.text
-            self.top[line.number] = line
+            top.append(line)
             if len(text) > MAX_HEADER:
-                raise TableError(say("long-header", self.mark(line.number), length=len(text), most=MAX_HEADER))
+                mark = Mark(file=self.file, line=line.number)
+                raise TableError(say("long-header", mark, length=len(text), most=MAX_HEADER))
             found = delimiter_of(text, separator)
             # A header in a comment above the header itself only explains this: it names no link before.
-            below = self.lines[line.end : line.end + MAX_TITLES] if line.comment and "1" not in line.text else ()
+            below = lines[line.end : line.end + MAX_TITLES] if line.comment and "1" not in line.text else ()
             first = next((each for each in below if each.strip(_EMPTY) and not is_comment(each, top=True)), "")
             if found and not delimiter_of(first):
-                header = self.top[line.number] = line._replace(text=text)
+                header = top[-1] = line._replace(text=text)
                 break
             titles += [] if line.comment else [text]
             if len(titles) > MAX_TITLES:
@@ -172,154 +175,127 @@ class CsvRows:
         named = {sign: max((len(fields_in(text, sign)) for text in titles), default=0) for sign in DELIMITERS}
         likely = max(DELIMITERS, key=lambda sign: (named[sign], max((text.count(sign) for text in titles), default=0)))
         self.delimiter = (header and found) or separator or likely
-        for line in self.top.values():
-            if line.comment and line is not header:
-                texts = enumerate(as_typed(line.text, self.delimiter), line.number)
-                yield from (CellRow([text], self.mark(number)) for number, text in texts)
-            else:
-                yield self._cells(line.text, line.number)
-
-    def _top_lines(self) -> Iterator[_Line]:
-        """The lines that hold anything, each with those that a cell in quotes runs over."""
-        number = 0
-        while number < len(self.lines):
-            text, start = self.lines[number], number + 1
-            number += 1
-            if not text.strip(_EMPTY):
-                continue
-            comment = is_comment(text, top=True)
-            goes_on = is_open if comment else _is_cut
-            while goes_on(text) and number < min(len(self.lines), start + _LINES_OF_A_CELL) and len(text) < MAX_HEADER:
-                text += f"\n{self.lines[number]}"
-                number += 1
-            yield _Line(start, text, number, comment)
-
-    def complete(self, header: CellRow) -> CellRow:
-        """The header with a row of units, or of names under shared titles, that follows it."""
-        line = self.top[header.mark.line or 0]
-        if not line.comment and _is_cut(line.text):
-            raise TableError(say("open-quote-in-header", header.mark, text=shown(line.text.strip())))
-        del self.lines[: line.end]
-        self.passed = line.end
-        for count, text in enumerate(self.lines, start=1):
-            if text.strip(_EMPTY):
-                is_row = len(text) <= MAX_HEADER and not is_comment(text, top=True)
-                found = completed(header, self._cells(text, self.passed + count)) if is_row else None
-                if found:
-                    del self.lines[:count]
-                    self.passed += count
-                return found or header
-        return header
+        if header and not header.comment and _is_cut(header.text):
+            mark, text = Mark(file=self.file, line=header.number), shown(header.text.strip())
+            raise TableError(say("open-quote-in-header", mark, text=text))
+        return top, header
 
     # --- The rows -----------------------------------------------------------------------------------------------------
 
-    def start(self, columns: Columns) -> Columns:
-        """Takes the columns of the rows to come."""
-        self.header, self.width = columns.headers, len(columns.headers)
-        self.needed = max(index for index, header in enumerate(columns.headers) if header) + 1
-        self.joints = Joints([columns.fields.index(name) for name in REQUIRED], self.needed, self.below)
-        self.one_robot = "robot" not in columns.fields
-        columns.decimal_comma = self.delimiter != ","
-        columns.quoted_commas = self.delimiter == ","
-        return columns
+    def _below(self, blocks: Iterable[list[str]], passed: int) -> Iterator[CellRow]:
+        """The rows below so many lines."""
+        for block in blocks:
+            start, text = passed + 1, "".join(block)
+            is_quoted = any(sign in text for sign in _CAREFUL)
+            self.quoted = {at: line for at, line in self.quoted.items() if at > passed - _KEPT}
+            marks = many_unchecked(Mark(file=self.file), len(block), line=range(start, start + len(block)))
+            # Without quotes `csv.reader` does the same, in twice the time.
+            cells = (line.split(self.delimiter) if line else [] for line in block)
+            if (
+                is_quoted
+                or any(sign in text for sign in SIGNS)
+                or max(map(len, block), default=0) >= csv.field_size_limit()
+            ):
+                yield from self._quoted(block, start)
+            else:
+                yield from map(CellRow, cells, marks)
+            passed += len(block)
 
-    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
-        """The rows that hold anything, and the line at which each starts."""
-        for lines, batch in self._records():
-            plain = set(map(len, batch)) == {self.width} and all(map(str.strip, map(itemgetter(0), batch)))
-            # A line below the last joint may be a note with as many commas as a joint has.
-            may_be_note = batch and batch[-1] and batch[-1][0][:1].isalpha() and " " in batch[-1][0]
-            if plain and not self.joints.after_gap and not self.joints.held and not may_be_note:
-                yield lines, batch
-                continue
-            kept: list[CellRow] = []
-            for line, cells in zip(lines, batch, strict=True):
-                row = CellRow(cells, self.mark(line))
-                if cells == [SIGNS[0]]:
-                    self.joints.after_gap = True
-                    continue
-                if self.joints.after_gap and self.one_robot and starts_table(row):
-                    lines_of_table(self.path, None)
-                kept += self.joints.take(row)
-            yield [row.mark.line or 0 for row in kept], [list(map(text_in, row.cells)) for row in kept]
-        self.joints.finish()
+    def _quoted(self, block: list[str], start: int) -> Iterator[CellRow]:
+        """The rows of a block with quotes or comments, which takes the lines that its last cell runs over."""
 
-    def _records(self) -> Iterator[tuple[Sequence[int], list[list[str]]]]:
-        """Batches of rows, and the line at which each row starts."""
-        blocks, count = self._blocks(), 0
-
-        def joined_lines(lines: list[str]) -> Iterator[str]:  # and those of the next blocks, as far as a cell runs on
-            nonlocal count
-            yield from lines
-            for _, more, _ in blocks:
-                count += len(more)
+        def following() -> Iterator[str]:
+            for more in self.blocks:
+                block.extend(more)
                 yield from more
 
-        for start, lines, has_quotes in blocks:
-            if not has_quotes and max(map(len, lines), default=0) < csv.field_size_limit():
-                # Without quotes `csv.reader` does the same, in twice the time.
-                yield range(start, start + len(lines)), [line.split(self.delimiter) if line else [] for line in lines]
-                continue
-            count = len(lines)
-            reader = csv.reader(joined_lines(lines), delimiter=self.delimiter, strict=True)
-            starts: list[int] = []
-            batch: list[list[str]] = []
+        # A cell in quotes keeps the end of the line; what a comment holds is none of the reader's business.
+        lines = (SIGNS[0] if is_comment(line) else f"{line}\n" for line in chain(tuple(block), following()))
+        reader = csv.reader(lines, delimiter=self.delimiter, strict=True)
+        while reader.line_num < len(block):
+            at = reader.line_num
             try:
-                while reader.line_num < count:
-                    starts.append(start + reader.line_num)
-                    batch.append(self._unguarded(next(reader), starts[-1]))
+                cells = self._unguarded(next(reader))
             except csv.Error as error:
-                raise TableError(self._wrong_cell(str(error), starts[-1])) from None
-            yield starts, batch
+                raise TableError(self._wrong_cell(str(error), start + at, block[at:])) from None
+            if is_comment(block[at]):
+                yield from self._comments(block[at], start + at)
+                continue
+            if any(sign in block[at] for sign in _CAREFUL):
+                self.quoted[start + at] = block[at]
+            yield CellRow(cells, Mark(file=self.file, line=start + at))
 
-    def _blocks(self) -> Iterator[tuple[int, list[str], bool]]:
-        """Blocks of lines, of comments the sign alone: the number of the first line, and whether any has quotes."""
-        for block in chain((self.lines,), self.blocks):
-            start = self.passed + 1
-            self.passed += len(block)
-            text = "".join(block)
-            has_quotes = any(sign in text for sign in _CAREFUL)
-            if has_quotes:
-                self.quoted = {at: line for at, line in self.quoted.items() if at > start - _KEPT}
-                lines = enumerate(block, start)
-                self.quoted |= {at: line for at, line in lines if any(sign in line for sign in _CAREFUL)}
-                block = [f"{line}\n" for line in block]  # noqa: PLW2901 - a cell in quotes keeps the end of the line
-            if any(sign[0] in text and sign in text for sign in SIGNS):
-                block = [  # noqa: PLW2901 - the same lines
-                    self._passed_over(line, start + k) if is_comment(line) else line for k, line in enumerate(block)
-                ]
-            yield start, block, has_quotes
-
-    def _passed_over(self, line: str, number: int) -> str:
-        """What stands for a comment below the header; one that declares something would not hold for the rows above."""
-        for text in as_typed(line, self.delimiter):
-            try:
-                comment = comment_below(text, self.mark(number))
-            except TableError:
-                if self.one_robot:
-                    lines_of_table(self.path, None)  # it may be above another header
-                raise
-            if "=" in comment.line and len(self.below) < MAX_BELOW:
-                self.below.append(comment)
-        return SIGNS[0]
-
-    def _unguarded(self, cells: list[str], line: int) -> list[str]:
+    def _unguarded(self, cells: list[str]) -> list[str]:
         """Cells as they were before a spreadsheet kept them; those that it made of a comment become one."""
         if cells and is_comment(cells[0]) and not fills_row(cells, self.joints.geometry):
-            return [self._passed_over(joined(cells, decimal_comma=self.delimiter != ","), line)]
+            return [joined(cells, decimal_comma=self.delimiter != ",")]
         return [cell[1:] if _GUARDED.match(cell) else cell for cell in cells]
 
-    def _wrong_cell(self, error: str, line: int) -> Problem:
-        """What is wrong with a cell whose quotes are wrong, or that has no end."""
-        number, text = next(((n, text) for n, text in self.quoted.items() if n >= line and '"' in text), (line, ""))
+    def _wrong_cell(self, error: str, line: int, lines: Sequence[str]) -> Problem:
+        """What is wrong with a cell whose quotes are wrong, or that has no end, in some lines from a number on."""
+        number, text = next(((n, text) for n, text in enumerate(lines, line) if '"' in text), (line, ""))
         is_open = number == line and text.count('"') % 2
         if "limit" in error and not is_open:
-            return say("long-cell", self.mark(line), most=csv.field_size_limit())
+            return say("long-cell", Mark(file=self.file, line=line), most=csv.field_size_limit())
         mark = Mark(file=self.file, line=line, column=text.find('"') + 1 or None)
         about = {"found": text or None, "text": shown(text.strip())}
         return say("text-behind-a-quote" if "expected after" in error else "open-quote", mark, **about)
 
-    # --- Places -------------------------------------------------------------------------------------------------------
+    def _comments(self, line: str, number: int) -> Iterator[CellRow]:
+        """A comment as it was typed, in one cell; several where a cell of it has several lines."""
+        for at, text in enumerate(as_typed(line, self.delimiter)):
+            yield CellRow([f"# {text}" if at else text], Mark(file=self.file, line=number + at))
+
+    # --- Rows that are joints -----------------------------------------------------------------------------------------
+
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come."""
+        columns = super().start(columns)
+        self.one_robot = "robot" not in columns.fields
+        columns.decimal_comma, columns.quoted_commas = self.delimiter != ",", self.delimiter == ","
+        columns.numbers = frozenset()  # all cells are texts
+        return columns
+
+    def _are_joints(self, rows: Sequence[CellRow]) -> bool:
+        """Whether rows are whole and no comments; the last one may be a note with as many commas as a joint has."""
+        if {len(row.cells) for row in rows} != {len(self.fields)} or self.joints.after_gap or self.joints.held:
+            return False
+        firsts: list[Any] = [row.cells[0] for row in rows]
+        return all(map(str.strip, firsts)) and not (firsts[-1][:1].isalpha() and " " in firsts[-1])
+
+    def _taken(self, row: CellRow) -> list[CellRow]:
+        """The joints that a row adds; a comment has one cell, and above another header it may hold for that alone."""
+        if len(row.cells) > 1:
+            if self.joints.after_gap and starts_table(row):
+                self._refuse_several()
+            return self.joints.take(row)
+        try:
+            return super()._taken(row)
+        except TableError:
+            self._refuse_several()
+            raise
+
+    def _refuse_several(self) -> None:
+        """Refuses a file of several tables; the rows of several manipulators are one table."""
+        if self.one_robot:
+            lines_of_table(self.path, None)
+
+    def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, list[Problem]]:
+        """A row with the places at which its cells start, and what is wrong with it."""
+        texts, line = list(map(text_in, key.cells)), key.mark.line or 0
+        row = self._cells(self.quoted.get(line) or self.delimiter.join(texts), line, list(map(text_of, cells)))
+        if problem := other_header(key, number):
+            if starts_table(key):
+                self._refuse_several()
+            return row, [problem]
+        more = next((text for text in texts[len(self.fields) :] if text.strip()), None)
+        if len(texts) >= self.joints.width and (more is None or is_comment(more)):
+            return row, []
+        has_more = self.delimiter == "," and len(texts) > len(self.fields)
+        advice = "is there a decimal comma in it, or a comma in a text without quotes?" if has_more else None
+        joint, count, sign = f"joint_{number}", len(texts), DELIMITERS[self.delimiter]
+        about: dict[str, Any] = {"number": number, "cells": count, "columns": len(self.fields), "sign": sign}
+        return row, [say("ragged-row", key.mark, joint=joint, suggestion=advice, **about)]
 
     def _cells(self, line: str, number: int, cells: Sequence[str] | None = None) -> CellRow:
         """The cells of a line, each where it starts; those that start in a later line are where a cell goes on."""
@@ -328,37 +304,24 @@ class CsvRows:
         ends = accumulate(len(cell) + 1 for cell in hidden)
         starts = [end - len(cell.lstrip(SPACES)) for end, cell in zip(ends, hidden, strict=True)]
         places = starts + [starts[-1]] * (len(cells) - len(starts))
-        return CellRow(cells, self.mark(number), [Mark(file=self.file, line=number, column=at) for at in places])
+        marks = [Mark(file=self.file, line=number, column=at) for at in places]
+        return CellRow(cells, Mark(file=self.file, line=number), marks)
 
-    def places(self, keys: Iterable[int]) -> Iterable[PlaceInFile]:
-        """The lines of rows."""
-        return keys
 
-    def mark(self, key: int) -> Mark:
-        """The line of a row, with the file."""
-        return Mark(file=self.file, line=key)
-
-    def row(self, key: int, cells: Row, number: int) -> tuple[CellRow, Iterator[Problem]]:
-        """A row with the places at which its cells start, and what is wrong with it."""
-        texts = list(map(text_of, cells))
-        row = self._cells(self.quoted.get(key) or self.delimiter.join(texts), key, texts)
-        return row, self._problems(row, texts, number)
-
-    def _problems(self, row: CellRow, texts: Sequence[str], number: int) -> Iterator[Problem]:
-        """What is wrong with a row that is another header, or has other cells than the header has columns."""
-        if headers_in(row) != self.header and (problem := other_header(row, number)):
-            if self.one_robot and starts_table(row):
-                lines_of_table(self.path, None)
-            yield problem
-            return
-        more = next((text for text in texts[self.width :] if text.strip()), None)
-        if len(texts) >= self.needed and (more is None or is_comment(more)):
-            return
-        has_more = self.delimiter == "," and len(texts) > self.width
-        advice = "is there a decimal comma in it, or a comma in a text without quotes?" if has_more else None
-        joint, count, sign = f"joint_{number}", len(texts), DELIMITERS[self.delimiter]
-        about: dict[str, Any] = {"number": number, "cells": count, "columns": self.width, "sign": sign}
-        yield say("ragged-row", row.mark, joint=joint, suggestion=advice, **about)
+def _top_lines(lines: Sequence[str]) -> Iterator[_Line]:
+    """The lines that hold anything, each with those that a cell in quotes runs over."""
+    number = 0
+    while number < len(lines):
+        text, start = lines[number], number + 1
+        number += 1
+        if not text.strip(_EMPTY):
+            continue
+        comment = is_comment(text, top=True)
+        goes_on = is_open if comment else _is_cut
+        while goes_on(text) and number < min(len(lines), start + _LINES_OF_A_CELL) and len(text) < MAX_HEADER:
+            text += f"\n{lines[number]}"
+            number += 1
+        yield _Line(start, text, number, comment)
 
 
 def lines_of_table(path: Path, number: int | None) -> list[str]:

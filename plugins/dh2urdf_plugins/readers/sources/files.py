@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
     from dh2urdf.table_text import Trace
-    from dh2urdf_plugins.readers.header.columns import RowSource
     from dh2urdf_plugins.readers.options import TableOptions
 
 FORMS = {".md": "markdown", ".tex": "latex"}
@@ -55,7 +54,7 @@ def read_file_columns(
         return
     file = str(path)
     if form == "csv" and not options.columns:
-        rows: RowSource = CsvRows(path, options.table_number)
+        rows: CellRows = CsvRows(path, options.table_number)
     else:
         text = decoded(read_bytes(path, TableError, limit=_LONGEST), file, TableError)
         tables = all_tables(text, file, form) if form == "csv" else tables_of(text, file, form)

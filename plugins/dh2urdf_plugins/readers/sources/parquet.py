@@ -11,7 +11,6 @@ import re
 from collections import Counter
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from pyarrow import ArrowException, float64, types
@@ -19,21 +18,22 @@ from pyarrow.parquet import ParquetFile
 
 from dh2urdf.documents import check_file, load_yaml, refuse_other_kind
 from dh2urdf.errors import TableError
-from dh2urdf.source import Mark, Messages, did_you_mean, shown
+from dh2urdf.fields import many_unchecked
+from dh2urdf.source import Mark, Messages, Problem, did_you_mean, shown
 from dh2urdf.table_text import METADATA, STATEMENTS, CellRow
 from dh2urdf_plugins.readers.header.header_rows import text_in
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.table import one_by_one, read_rows
-from dh2urdf_plugins.readers.tables.cell_rows import choose
+from dh2urdf_plugins.readers.tables.cell_rows import CellRows, choose
 from dh2urdf_plugins.readers.tables.row_table import too_many_joints
 from dh2urdf_plugins.readers.words.bounds import MAX_COLUMNS, MAX_JOINTS
 from dh2urdf_plugins.readers.words.fields import FIELDS, GROUPS, IGNORED
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Collection, Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.columns import ManipulatorGroups, PlaceInFile
+    from dh2urdf.columns import ManipulatorGroups
     from dh2urdf.documents import Node
     from dh2urdf.manipulator import Manipulator
     from dh2urdf.stages import Rejected
@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.words.cells import Value
-    from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 INDEX = "__index_level_0__"
 """The column that pandas writes for an index without a name."""
@@ -49,8 +48,6 @@ _ATTRIBUTES = "PANDAS_ATTRS"
 """The metadata that pandas writes for the attributes of a data frame."""
 _BATCH = 3000
 """Rows that pyarrow reads at once."""
-_PART = 200
-"""Rows that are handed on at once: they are gone before Python's collector has to look at them twice."""
 _BUFFER = 2**17
 """Bytes of a column that are held at once [B]; pyarrow alone would hold all that are in a row group."""
 MAX_UNPACKED = 2**26
@@ -111,56 +108,28 @@ def _statements(metadata: dict[bytes, bytes], file: str) -> dict[str, Node]:
     return said
 
 
-class _ParquetRows:
-    """The rows of a file; the key of a row is its number, counted from 1."""
+class _ParquetRows(CellRows):
+    """The rows of a file, which has neither comments nor notes; their numbers are counted from 1."""
 
-    def __init__(self, file: Any, fields: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile and its columns
-        self.file = file
-        self.fields = fields
-        self.path = path
+    are_values = True
+
+    def __init__(self, file: Any, columns: list[Any], path: str) -> None:  # noqa: ANN401 - a ParquetFile, and its fields
+        super().__init__(self._rows(), prose=False)
+        self.file, self.columns, self.path = file, columns, path
         self.cells: list[Callable[[Any], Sequence[Value]] | None] = []  # None: a column that is not read
         self.constant: list[str] = []  # what stands for each of its cells: nothing, or its type
-        self.below: list[Comment] = []
 
-    def __iter__(self) -> Iterator[CellRow]:
-        """The names of the columns: a file has nothing above them."""
-        names = [field.name for field in self.fields]
+    def _rows(self) -> Iterator[CellRow]:
+        """The names of the columns, above which a file has nothing, and the rows below."""
+        names = [field.name for field in self.columns]
         if twins := [name for name, count in Counter(names).items() if count > 1]:
             raise TableError(say("columns-of-one-name", Mark(file=self.path), found=twins[0]))
         marks = [Mark(file=self.path, place=f"column {name}") for name in names]
-        headers = [_with_unit(field, mark) for field, mark in zip(self.fields, marks, strict=True)]
+        headers = [_with_unit(field, mark) for field, mark in zip(self.columns, marks, strict=True)]
         if not any((field := read_header(header).field) and field.name == "joint" for header in headers):
-            labels = [field.name == INDEX and _kind(field.type) == "text" for field in self.fields]  # of a data frame
+            labels = [field.name == INDEX and _kind(field.type) == "text" for field in self.columns]  # of a data frame
             headers = ["joint" if is_label else header for is_label, header in zip(labels, headers, strict=True)]
         yield CellRow(headers, Mark(file=self.path), marks)
-
-    def complete(self, header: CellRow) -> CellRow:
-        """The header alone: a file has units in the names or in the metadata of its columns."""
-        return header
-
-    def start(self, columns: Columns) -> Columns:
-        """Takes the columns of the rows to come; none of them holds moments, lists or the like."""
-        kinds, numbers, problems = [field.type for field in self.fields], set[int](), []
-        for index, (name, kind) in enumerate(zip(columns.fields, kinds, strict=True)):
-            kept = index not in columns.ignored
-            if kept and name and not _is_accepted(kind, name):
-                header = columns.headers[index]
-                mark = Mark(file=self.path, place=f"column {header}")
-                problems.append(say("column-of-a-kind", mark, field=name, found=str(kind), header=header))
-            is_read = kept and _is_readable(self.fields[index])
-            if kept and name and FIELDS[name].dimension and _kind(kind) == "number":
-                numbers.add(index)
-            self.cells.append(_numbers_of if index in numbers else _texts_of if is_read else None)
-            self.constant.append(str(kind) if kept and not is_read else "")
-        if problems:
-            raise TableError(problems)
-        robot = self.fields[columns.fields.index("robot")].name if "robot" in columns.fields else None
-        _refuse_one_manipulator(self.file, self.path, robot)
-        return replace(columns, numbers=frozenset(numbers), quoted_commas=True)
-
-    def batches(self) -> Iterator[tuple[Sequence[int], Sequence[Row]]]:
-        """Some hundred rows at a time, with their numbers."""
-        names = [field.name for field in self.fields]
         read = [name for name, cells_of in zip(names, self.cells, strict=True) if cells_of]
         batches = self.file.iter_batches(_BATCH, columns=read, use_threads=False)
         start = 1
@@ -174,24 +143,37 @@ class _ParquetRows:
                     cells_of(batch.column(name)) if cells_of else [constant] * batch.num_rows
                     for name, cells_of, constant in zip(names, self.cells, self.constant, strict=True)
                 ]
-            rows = zip(*cells, strict=True)
-            while part := list(islice(rows, _PART)):
-                yield range(start, start + len(part)), part
-                start += len(part)
+            numbers = range(start, start + batch.num_rows)
+            marks = many_unchecked(mark, batch.num_rows, line=numbers, place=map("row {}".format, numbers))
+            yield from map(CellRow, zip(*cells, strict=True), marks)
+            start += batch.num_rows
 
-    def places(self, keys: Iterable[int]) -> Iterator[PlaceInFile]:
-        """The numbers of rows."""
-        return ((key, None, f"row {key}") for key in keys)
+    def start(self, columns: Columns) -> Columns:
+        """Takes the columns of the rows to come; none of them holds moments, lists or the like."""
+        columns = super().start(columns)
+        kinds, numbers, problems = [field.type for field in self.columns], set[int](), []
+        for index, (name, kind) in enumerate(zip(columns.fields, kinds, strict=True)):
+            kept = index not in columns.ignored
+            if kept and name and not _is_accepted(kind, name):
+                header = columns.headers[index]
+                mark = Mark(file=self.path, place=f"column {header}")
+                problems.append(say("column-of-a-kind", mark, field=name, found=str(kind), header=header))
+            is_read = kept and _is_readable(self.columns[index])
+            if kept and name and FIELDS[name].dimension and _kind(kind) == "number":
+                numbers.add(index)
+            self.cells.append(_numbers_of if index in numbers else _texts_of if is_read else None)
+            self.constant.append(str(kind) if kept and not is_read else "")
+        if problems:
+            raise TableError(problems)
+        robot = self.columns[columns.fields.index("robot")].name if "robot" in columns.fields else None
+        _refuse_one_manipulator(self.file, self.path, robot)
+        return replace(columns, numbers=frozenset(numbers), quoted_commas=True, as_written=False)
 
-    def mark(self, key: int) -> Mark:
-        """The number of a row, with the file."""
-        return Mark(file=self.path, line=key, place=f"row {key}")
-
-    def row(self, key: int, cells: Row, number: int = 0) -> tuple[CellRow, tuple[()]]:  # noqa: ARG002 - as of each source
+    def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, list[Problem]]:  # noqa: ARG002
         """A row with the place of each cell; every row has a cell in every column."""
-        places = enumerate((f"row {key}, column {field.name}" for field in self.fields), start=1)
-        marks = [Mark(file=self.path, line=key, column=index, place=place) for index, place in places]
-        return CellRow(cells, self.mark(key), marks), ()
+        places = enumerate((f"{key.mark.place}, column {field.name}" for field in self.columns), start=1)
+        marks = [replace(key.mark, column=index, place=place) for index, place in places]
+        return CellRow(cells, key.mark, marks), []
 
 
 @contextmanager

@@ -24,13 +24,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from dh2urdf.columns import PlaceInFile
     from dh2urdf_plugins.readers.header.columns import Columns, Row
     from dh2urdf_plugins.readers.words.cells import Value
 
     Table = TypeVar("Table")
 
-_BATCH = 200
+_BATCH = 3000
 """Rows that are handed on at once."""
 _LONGEST_NOTE = 200
 """Characters of a note at whose beginning it is known."""
@@ -47,58 +46,70 @@ say = Messages(__file__)
 
 
 class CellRows:
-    """The rows of a container that has cells with places of their own: the key of a row is the row itself.
+    """The rows of a table one by one, from whatever container: those down to the header, and the joints below it.
 
     Records such as those of YAML have no prose, which is comments and notes among the rows.
     """
+
+    are_values = False
+    """Whether the cells are texts and numbers as they are read, one for each column where nothing is wrong."""
 
     def __init__(self, rows: Iterable[CellRow], *, decimal_comma: bool = False, prose: bool = True) -> None:
         self.rows = iter(rows)
         self.decimal_comma = decimal_comma
         self.prose = prose
-        self.below: list[Comment] = []
+        self.below: list[Comment] = []  # and notes below the header, which may define names for lengths
         self.fields: list[str | None] = []
         self.named: list[bool] = []
+        self.joints = Joints([], 0, self.below)
 
     def __iter__(self) -> Iterator[CellRow]:
-        """The rows one by one."""
+        """The rows down to the header, and below it."""
         return self.rows
 
     def complete(self, header: CellRow) -> CellRow:
         """The header with a row of units, or of names under shared titles, that follows it."""
-        row = next(self.rows, None) if self.prose else None
-        joined = completed(header, row) if row else None
-        if row and joined is None:
-            self.rows = chain((row,), self.rows)
-        return joined or header
+        passed = list[CellRow]()
+        while self.prose and (row := next(self.rows, None)):
+            if any(map(text_in, row.cells)):
+                joined = completed(header, row)
+                self.rows = self.rows if joined else chain((*passed, row), self.rows)
+                return joined or header
+            passed.append(row)
+        return header
 
     def start(self, columns: Columns) -> Columns:
-        """Takes the columns of the rows to come."""
+        """Takes the columns of the rows to come, and gives them with those that hold numbers known."""
         self.fields, self.named = columns.fields, [bool(header) for header in columns.headers]
+        geometry = [index for index, field in enumerate(columns.fields) if field in REQUIRED]
+        self.joints = Joints(geometry, len(self.named) - self.named[::-1].index(True), self.below)
         columns.decimal_comma = self.decimal_comma
-        columns.numbers = frozenset(k for k, name in enumerate(columns.fields) if name and FIELDS[name].dimension)
         columns.as_written = not self.prose
+        columns.numbers = frozenset(k for k, name in enumerate(columns.fields) if name and FIELDS[name].dimension)
         return columns
 
     def batches(self) -> Iterator[tuple[Sequence[CellRow], Sequence[Row]]]:
-        """The rows that hold anything and are no comments and no notes."""
-        rows = self._joints() if self.prose else self.rows
-        while batch := list(islice(rows, _BATCH)):
-            yield batch, [self._values(row) for row in batch]
+        """Some thousand rows at a time that hold anything and are no comments and no notes, and their cells."""
+        while batch := list(islice(self.rows, _BATCH)):
+            is_whole = not self.prose or self._are_joints(batch)
+            rows = batch if is_whole else list(chain.from_iterable(map(self._taken, batch)))
+            yield rows, [row.cells for row in rows] if self.are_values else list(map(self._values, rows))  # type: ignore[misc]
+        self.joints.finish()
 
-    def _joints(self) -> Iterator[CellRow]:
-        """The rows without those that are empty, comments, or notes below the last joint."""
-        geometry = [index for index, field in enumerate(self.fields) if field in REQUIRED]
-        joints = Joints(geometry, len(self.fields), self.below)
-        for row in self.rows:
-            first = next((text for text in map(text_in, row.cells) if text.strip(SPACES)), "")
-            if is_comment(first):
-                self.below.append(comment_below(comment_text(row), row.mark))
-            else:
-                yield from joints.take(row)
-        joints.finish()
+    def _are_joints(self, rows: Sequence[CellRow]) -> bool:  # noqa: ARG002 - as of rows that are all texts
+        """Whether some rows are surely joints, all of them."""
+        return False
 
-    def _values(self, row: CellRow) -> list[Value]:
+    def _taken(self, row: CellRow) -> list[CellRow]:
+        """The joints that a row adds: none where it is empty, a comment, or a note below the last joint."""
+        first = next((text for text in map(text_in, row.cells) if text.strip(SPACES)), "")
+        if not is_comment(first):
+            return self.joints.take(row)
+        self.joints.after_gap = True
+        self.below.append(comment_below(comment_text(row), row.mark))
+        return []
+
+    def _values(self, row: CellRow) -> Row:
         """The cells of a row, one for each column; numbers of quantities are numbers, and problems are never plain."""
         width = len(self.named)
         values: list[Value] = []
@@ -120,16 +131,8 @@ class CellRows:
             return False
         return isinstance(cell, float | int) or is_number(text_in(cell).strip(SPACES))
 
-    def places(self, keys: Iterable[CellRow]) -> Iterator[PlaceInFile]:
-        """The places of rows."""
-        return ((row.mark.line, row.mark.column, row.mark.place) for row in keys)
-
-    def mark(self, key: CellRow) -> Mark:
-        """The place of a row, with the file."""
-        return key.mark
-
     def row(self, key: CellRow, cells: Row, number: int) -> tuple[CellRow, list[Problem]]:
-        """A row with the place of each cell; what is wrong with these, and numbers behind the header's last column."""
+        """A row, of a number within its manipulator: the place of each cell, and why they are not the columns'."""
         marks, problems = [*(key.marks or ()), *[key.mark] * (len(cells) - len(key.marks or ()))], list[Problem]()
         if self.prose and (problem := other_header(key, number)):
             return key._replace(marks=marks), [problem]

@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from dh2urdf.documents import Node
     from dh2urdf.table_text import Trace
     from dh2urdf_plugins.readers.comments.top import Top
-    from dh2urdf_plugins.readers.header.columns import RowSource
     from dh2urdf_plugins.readers.options import TableOptions
     from dh2urdf_plugins.readers.plain.rows import PlainRows
+    from dh2urdf_plugins.readers.tables.cell_rows import CellRows
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
 _ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
@@ -64,7 +64,7 @@ class RowTable:
         name: Cell,
         options: TableOptions,
         top: Top,
-        source: RowSource,
+        source: CellRows,
         trace: Trace | None = None,
         *,
         one: bool = False,
@@ -206,7 +206,8 @@ class RowTable:
         if not cells or (statements := self._agreed(cells)) is None or (read := self.plain.read(groups)) is None:
             return None
         model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
-        lines = [tuple(self.source.places(rows.keys)) for rows in groups]
+        marks = [[row.mark for row in rows.keys] for rows in groups]
+        lines = [tuple([at.line if not at.place else (at.line, at.column, at.place) for at in own]) for own in marks]
         arms = ManipulatorGroups(
             groups=tuple(
                 (
@@ -215,7 +216,7 @@ class RowTable:
                         model,
                         rows=found,
                         names=[groups[member].name for member in members],
-                        marks=[self.source.mark(groups[member].keys[0]) for member in members],
+                        marks=[marks[member][0] for member in members],
                         lines=[lines[member] for member in members],
                     ),
                 )
@@ -249,7 +250,7 @@ class RowTable:
         reader = RowReader(self.units, type_is_given=self.has_type and not self.one, traced=self.trace is not None)
         reader.add(*self.notices)
         self.notices = []  # messages about the file go with the first manipulator, once
-        name, mark = self.name, self.source.mark(rows.keys[0]) if rows.keys and not self.one else self.whole
+        name, mark = self.name, rows.keys[0].mark if rows.keys and not self.one else self.whole
         if self.robot_column is not None and rows.keys:
             marks = self.source.row(rows.keys[0], rows.cells[0], 1)[0].marks or [mark]
             name = Cell(rows.name, marks[min(self.robot_column, len(marks) - 1)])
@@ -270,7 +271,7 @@ class RowTable:
         """The rows, None for each in which there is an error; and what they declare about the convention."""
         reader, found = cell_reader.reader, list[tuple[Cells | None, Mark]]()
         for key, row in zip(rows.keys, rows.cells, strict=True):
-            mark, number = self.source.mark(key), len(found) + 1
+            mark, number = key.mark, len(found) + 1
             if problem := self._no_joint(list(map(text_of, row)), mark, number):
                 reader.add(problem)
                 continue

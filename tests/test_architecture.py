@@ -167,7 +167,7 @@ class TestQuickStart:
 
     @pytest.mark.parametrize(
         ("words", "bound"),
-        [(["plugins"], 98), (["convert", "arm.csv", "-o", "arm.urdf"], 172)],
+        [(["plugins"], 75), (["convert", "arm.csv", "-o", "arm.urdf"], 125)],
         ids=["plugins", "convert"],
     )
     def test_it_imports_what_it_uses(self, tmp_path: Path, words: list[str], bound: int) -> None:

@@ -165,11 +165,10 @@ def numbered(
     return {**numbers, **{name: chain.follow(leaders[name], law) for name, law in laws.items()}}
 
 
-def leading(joints: Sequence[Joint], followers: Mapping[str, Follower]) -> tuple[str, ...]:
-    """Names of the joints that decide where some joints are: of these in order, then of others that they follow."""
-    moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
+def leading(moving: Sequence[str], followers: Mapping[str, Follower]) -> tuple[str, ...]:
+    """Names of the joints that decide where moving joints are: of these in order, then of others that they follow."""
     leaders = [followers[name].leader for name in moving if name in followers]
-    return tuple(dict.fromkeys([*(name for name in moving if name not in followers), *filter(None, leaders)]))
+    return tuple(dict.fromkeys([*[name for name in moving if name not in followers], *filter(None, leaders)]))
 
 
 def compile_joints(
@@ -185,9 +184,9 @@ def compile_joints(
     each joint that moves is, before it moves.
     """
     chain = CompiledChain()
-    if numbers is None:
-        numbers = {name: number for number, name in enumerate(leading(joints, followers))}
     moving = [joint.name for joint in joints if joint.type is not JointType.FIXED]
+    if numbers is None:
+        numbers = {name: number for number, name in enumerate(leading(moving, followers))}
     numbers = numbered(chain, moving, followers, numbers)
     for joint in joints:
         for along, length in enumerate(joint.origin.xyz):
@@ -229,7 +228,7 @@ class KinematicChain(NamedTuple):
     @property
     def actuated(self) -> tuple[str, ...]:
         """Names of the joints that have a value in a joint vector: those of the chain in order, then other leaders."""
-        return leading(self.joints, self.followers)
+        return leading([joint.name for joint in self.moving], self.followers)
 
     @classmethod
     def of(cls, joints: Sequence[Joint], followers: Mapping[str, Follower] = NO_FOLLOWERS) -> KinematicChain:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from dh2urdf.kinematics.chain import compile_table, reach
+from dh2urdf.kinematics.chain import compile_table, leading, reach
 from dh2urdf.kinematics.walk import CompiledChain, values_of
 from dh2urdf.manipulator import ROOT, TOOL, JointType, Manipulator
 from dh2urdf.robot import with_followers
@@ -49,8 +49,8 @@ class Stretch(NamedTuple):
     @property
     def leading(self) -> tuple[str, ...]:
         """Names of the joints in the robot that decide where these are: one of them may be behind the last row."""
-        laws, names = self.manipulator.followers, [row.joint for row in self.manipulator.actuated_rows]
-        return tuple(self.prefix + name for name in dict.fromkeys([*names, *(law.leader for law in laws.values())]))
+        moving = [row.joint for row in self.manipulator.moving_rows]
+        return tuple([self.prefix + name for name in leading(moving, self.manipulator.followers)])
 
     def travel(self, values: Mapping[str, Numbers]) -> Numbers:
         """How far its joints slide altogether [m], at values of the joints that lead [rad or m]; takes columns."""

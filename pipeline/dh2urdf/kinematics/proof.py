@@ -107,7 +107,7 @@ def joints_to(expected: ExpectedPoses, tip: Tip, written: Robot) -> tuple[Joint,
     if moving != list(tip.joints):
         written_joints, wanted = listed(moving, 8) or "none", listed(tip.joints, 8) or "none"
         raise ProofError(say("other-joints-move", robot=expected.name, moving=written_joints, wanted=wanted))
-    if apart := sorted({*leading(joints, written.followers)} ^ tip.columns.keys()):
+    if apart := sorted({*leading(moving, written.followers)} ^ tip.columns.keys()):
         raise ProofError(say("other-joints-lead", robot=expected.name, joints=listed(apart, 8)))
     return joints
 

@@ -12,6 +12,7 @@ from known_quantities import ANGLE, LENGTH, Exact
 from tables import Figures, WrongReading, counted_fast, run_case
 
 from dh2urdf.columns import member, stacked
+from dh2urdf.fields import replace_unchecked
 from dh2urdf_plugins.readers.plain import rows as plain_rows
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
@@ -40,7 +41,10 @@ def planted(monkeypatch: pytest.MonkeyPatch, change: Any) -> None:
 
     def wrong(self: PlainRows, arms: Any) -> Any:
         groups = fast(self, arms)
-        return groups and [(members, [changed(row, len(members)) for row in rows]) for members, rows in groups]
+        return groups and [
+            (members, replace_unchecked(arm, rows=tuple(changed(row, len(members)) for row in arm.rows)))
+            for members, arm in groups
+        ]
 
     def changed(row: Any, count: int) -> Any:
         return stacked([change(member(row, number)) for number in range(count)])

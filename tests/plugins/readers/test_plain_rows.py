@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from dh2urdf.errors import TableError
 from dh2urdf.fields import replace_unchecked
-from dh2urdf.manipulator import DHRow, Manipulator
+from dh2urdf.manipulator import Convention, DHRow, Manipulator
 from dh2urdf.stages import Rejected
 from dh2urdf_plugins.readers import stages
 from dh2urdf_plugins.readers.plain.rows import PlainRows, decimals
@@ -240,7 +240,10 @@ def plant(
         nonlocal read
         read += sum(len(rows.cells) for rows in groups)
         result = fast(self, groups)
-        return result and [(members, change(own) if read > after else own) for members, own in result]
+        return result and [
+            (members, replace_unchecked(arm, rows=change(arm.rows) if read > after else arm.rows))
+            for members, arm in result
+        ]
 
     monkeypatch.setattr(PlainRows, "read", wrong)
 
@@ -265,8 +268,13 @@ def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkey
     """What the careful reading refuses, or has a notice about, is another reading too."""
     path = tmp_path / "arms.csv"
     row = DHRow(joint="j1", link="link_1", a=0.001, alpha=1.5708, d=0.02)
+    arm = Manipulator(name="arm", convention=Convention.STANDARD, rows=(row,))
     monkeypatch.setattr(
-        PlainRows, "read", lambda _self, groups: [([k], (row,) * len(own.cells)) for k, own in enumerate(groups)]
+        PlainRows,
+        "read",
+        lambda _self, groups: [
+            ([k], replace_unchecked(arm, rows=(row,) * len(own.cells))) for k, own in enumerate(groups)
+        ],
     )
     for replaced in ("1.5708", "400"):
         path.write_text(arms_of(3).replace("r0,j1,R,0.001,pi/2", f"r0,j1,R,0.001,{replaced}"))

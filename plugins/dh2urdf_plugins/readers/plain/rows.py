@@ -47,8 +47,8 @@ Places: TypeAlias = slice | list[int]
 """Where the same row of many manipulators is among the rows of all."""
 
 _NAMES = ("joint", "link")
-_TOLD = ("index", "type", "sign")
-_WORDS = frozenset(("robot", "convention", *_NAMES, *_TOLD))
+_TOLD = ("convention", "index", "type", "sign")
+_WORDS = frozenset(("robot", *_NAMES, *_TOLD))
 _NUMBERS = frozenset((*GEOMETRY, *NUMBERS, *COM, *INERTIA, *LIMITS))
 _ANGLES = frozenset(("alpha", "theta", "offset"))
 _ANY = frozenset((*GEOMETRY, "lower", "upper"))
@@ -88,10 +88,10 @@ class PlainRows:
         self.names = set[tuple[tuple[str, ...], ...]]()
         self.sample = PlainSample()
 
-    def read(self, groups: Sequence[Rows]) -> list[tuple[Sequence[int], tuple[DHRow, ...]]] | None:
-        """The rows of some manipulators in columns, or None where one of them is not surely plain.
+    def read(self, groups: Sequence[Rows]) -> list[tuple[Sequence[int], Manipulator]] | None:
+        """Manipulators in columns, or None where one of them is not surely plain.
 
-        Manipulators that differ in numbers only are in one group: which of them these are, and their rows.
+        Those that differ in numbers only are in one group: which of them these are, and what they are.
         """
         rows = list(chain.from_iterable(own.cells for own in groups))
         if not self.usable or set(map(len, rows)) != {len(self.headers)}:
@@ -116,9 +116,9 @@ class PlainRows:
         for form, members, places in forms:
             model = self._model(form, groups[members[0]])
             in_columns = model and self._rows(model, places, columns, numbers)
-            if not in_columns:
+            if not model or not in_columns:
                 return None
-            made.append((members, in_columns))
+            made.append((members, replace_unchecked(model, rows=in_columns)))
         return made
 
     def _words(

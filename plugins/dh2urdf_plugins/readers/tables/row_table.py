@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from dataclasses import replace
 from functools import cached_property
-from itertools import chain, groupby
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from dh2urdf.columns import ManipulatorColumns, ManipulatorGroups
@@ -33,7 +33,6 @@ from dh2urdf_plugins.readers.rows.six_parameters import with_four_parameters
 from dh2urdf_plugins.readers.statements.statements import KINDS, Statements
 from dh2urdf_plugins.readers.words.bounds import LONGEST_ARM, MAX_JOINTS, MEASURABLE_ARM, SHORTEST_ARM
 from dh2urdf_plugins.readers.words.cells import SPACES, Cell, text_of
-from dh2urdf_plugins.readers.words.fields import convention_of
 from dh2urdf_plugins.readers.words.names import MAX_NAME
 
 if TYPE_CHECKING:
@@ -47,8 +46,6 @@ if TYPE_CHECKING:
     from dh2urdf_plugins.readers.tables.cell_rows import CellRows
     from dh2urdf_plugins.readers.words.comment_lines import Comment
 
-_ANY_ROW = DHRow(joint="joint_1", link="link_1", a=0.0, alpha=0.0, d=0.0)
-"""A row that takes the place of all rows, where only what holds for each of them counts."""
 _USUAL = (0.2, 3.0)
 """Reach of the arms that people build [m]."""
 _NEARLY_PARALLEL = 0.01
@@ -79,10 +76,7 @@ class RowTable:
         place = {name: index for index, name in enumerate(columns.fields) if name}
         self.robot_column, self.convention_column = place.get("robot"), place.get("convention")
         self.has_type = "type" in place
-        said = self.statements.convention is not None or self.convention_column is not None
-        self.plain_table = said and not one and (trace, options.calibration, options.in_convention) == (None,) * 3
-        self.plain_table &= self.has_type or not any(sentence.types for sentence in self.sentences)
-        self.plain_table &= far_away(self.statements.values) is None
+        self.with_care = one or (trace, options.calibration, options.in_convention) != (None,) * 3
 
     @cached_property
     def plain(self) -> PlainRows:
@@ -135,9 +129,8 @@ class RowTable:
         any_rows = False
         for groups in self._groups():
             self._define(self.source.below)
-            self.plain_table &= not self.statements.symbols or self.robot_column is not None
             # The first one has the notices of the file, and that of columns that are left out.
-            while groups and (self.notices or not self.plain_table or (self.columns.silent and not any_rows)):
+            while groups and (self.notices or self.with_care or (self.columns.silent and not any_rows)):
                 yield self._careful(groups.pop(0))
                 any_rows = True
             any_rows |= bool(groups)
@@ -201,11 +194,8 @@ class RowTable:
             usual = rows.name and len(rows.name) <= MAX_NAME and rows.name.isascii() and rows.name.isprintable()
             if rows.torn or rows.nameless or rows.count > MAX_JOINTS or not usual:
                 return None
-        cells = list(chain.from_iterable(rows.cells for rows in groups))
-        sizes = [len(rows.keys) for rows in groups]
-        if not cells or (statements := self._agreed(cells)) is None or (read := self.plain.read(groups)) is None:
+        if (read := self.plain.read(groups)) is None:
             return None
-        model = statements.manipulator(groups[0].name, (_ANY_ROW,), None)
         marks = [[row.mark for row in rows.keys] for rows in groups]
         lines = [tuple([at.line if not at.place else (at.line, at.column, at.place) for at in own]) for own in marks]
         arms = ManipulatorGroups(
@@ -213,17 +203,17 @@ class RowTable:
                 (
                     tuple(members),
                     ManipulatorColumns.like(
-                        model,
-                        rows=found,
+                        arm,
+                        rows=arm.rows,
                         names=[groups[member].name for member in members],
                         marks=[marks[member][0] for member in members],
                         lines=[lines[member] for member in members],
                     ),
                 )
-                for members, found in read
+                for members, arm in read
             )
         )
-        if (index := self.plain.sample.choose(sizes)) is not None:
+        if (index := self.plain.sample.choose([len(rows.cells) for rows in groups])) is not None:
             from dh2urdf_plugins.readers.plain.rows import HEAD, compare
 
             rows = groups[index]
@@ -231,17 +221,6 @@ class RowTable:
             (arm,) = arms.part(index, index + 1).tables()
             compare(arm, self._careful(head), head.count)
         return arms
-
-    def _agreed(self, cells: list[Row]) -> Statements | None:
-        """What holds for all of some rows, the convention included; None where they say several, or an unknown one."""
-        if self.convention_column is None:
-            return self.statements
-        said = {text_of(row[self.convention_column]) for row in cells}
-        stated = self.statements.convention
-        (convention, *others) = {None if "\n" in word else convention_of(word.strip(SPACES)) for word in said}
-        if others or convention is None or (stated and stated[0] is not convention):
-            return None
-        return replace(self.statements, convention=(convention, self.whole))
 
     # --- With care ----------------------------------------------------------------------------------------------------
 
@@ -262,7 +241,6 @@ class RowTable:
         statements, cells = replace(self.statements), CellReader(self.columns, reader)
         read = self._read_rows(rows, statements, cells)
         cells.finish()
-        self.plain_table &= cells.comma is None
         if self.robot_column is None and not reader.errors and (unused := statements.symbols.unused()):
             reader.add(unused)
         return _manipulator(name, statements, read, reader, mark, trace=self.trace)

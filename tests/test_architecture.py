@@ -354,11 +354,11 @@ def test_modules_say_what_they_are() -> None:
 
 BUDGETS = {
     "pipeline/dh2urdf": 4300,
-    "pipeline/dh2urdf/cells": 1120,
+    "pipeline/dh2urdf/cells": 1150,
     "pipeline/dh2urdf/cli": 1760,
     "pipeline/dh2urdf/commands": 1450,
     "pipeline/dh2urdf/conversion": 1520,
-    "pipeline/dh2urdf/documents": 990,
+    "pipeline/dh2urdf/documents": 1070,
     "pipeline/dh2urdf/isolation": 1390,
     "pipeline/dh2urdf/kinematics": 3020,
     "pipeline/dh2urdf/measuring": 310,
@@ -386,7 +386,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/extraction": 1000,
     "plugins/dh2urdf_plugins/formats": 4390,
     "plugins/dh2urdf_plugins/loaders": 2650,
-    "plugins/dh2urdf_plugins/packages": 2250,
+    "plugins/dh2urdf_plugins/packages": 2260,
     "plugins/dh2urdf_plugins/readers": 6950,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 720,

@@ -175,6 +175,7 @@ class Attachment(Record):
         robot: the robot as its own file describes it, the link that is held first; its name is that of the part, which
             is the same where a cell has one part several times.
         elements: the elements of its file beside links, joints and materials, as XML; their names have no prefix.
+        semantics: the elements of an SRDF of it, as XML; their names have no prefix.
         tip: the link of it that is the tool of the whole robot, without the prefix; None where tool0 stays the tool.
     """
 
@@ -184,6 +185,7 @@ class Attachment(Record):
     placement: Origin
     robot: Robot
     elements: tuple[str, ...] = ()
+    semantics: tuple[str, ...] = ()
     tip: str | None = None
 
     @property

@@ -16,8 +16,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from dh2urdf.documents import is_folder, lost_references
-from dh2urdf.errors import ConfigError, InputError, RobotError
+from dh2urdf.documents import SRDF_NAMES, is_folder, lost_references, read_bytes, srdf_elements
+from dh2urdf.errors import ConfigError, InputError, RobotError, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
 from dh2urdf.manipulator import TOOL, WORLD, JointType
@@ -59,6 +59,7 @@ class AttachmentCall:
         placement: the frame of its first link in the parent's.
         root: the link by which it is held; None for the root of its file.
         tip: the link of it that is the tool from now on.
+        srdf: the SRDF of it.
         elements: whether elements beside links and joints are kept.
         repairs: whether an inertia that no body can have is changed by as little as makes it possible.
         missing_meshes: whether a mesh that is not there stays as an address.
@@ -72,6 +73,7 @@ class AttachmentCall:
     placement: Origin = Origin()
     root: str | None = None
     tip: str | None = None
+    srdf: Path | None = None
     elements: bool = True
     repairs: bool = False
     missing_meshes: bool = False
@@ -91,7 +93,9 @@ def attachment_of(found: ForeignRobot, path: Path, call: AttachmentCall) -> tupl
         call: what is asked of it.
 
     Raises:
-        RobotError: it is no tree of links and joints that a table's robot can hold, or it names what is not there.
+        RobotError: it is no tree of links and joints that a table's robot can hold, or it or its SRDF names what is not
+            there.
+        TableError: the SRDF cannot be read.
     """
     elements = found.elements if call.elements else ()
     if problems := [*_problems(found, path, call, elements)]:
@@ -113,6 +117,7 @@ def attachment_of(found: ForeignRobot, path: Path, call: AttachmentCall) -> tupl
         placement=placement,
         robot=replace(robot, name=call.name, joints=joints),
         elements=elements,
+        semantics=_semantics(call.srdf, robot, notices) if call.srdf else (),
         tip=call.tip,
     )
     return attachment, tuple(notices)
@@ -150,6 +155,32 @@ def _tree_problems(robot: Robot, links: list[str], joints: list[str]) -> Iterato
         yield say("attached-roots", count=len(roots), roots=listed(roots, 5))
     elif circle := [name for name in links if name not in {*roots, *_below(robot, roots)}]:
         yield say("attached-circle", links=listed(circle, 5))
+
+
+def _semantics(path: Path, robot: Robot, notices: list[Problem]) -> tuple[str, ...]:
+    """The elements of an SRDF that names nothing but what a robot has."""
+    file = Mark(file=str(path))
+    known = {"link": {each.name for each in robot.links}, "joint": {each.name for each in robot.joints}}
+    try:
+        elements, unknown = srdf_elements(read_bytes(path, TableError), known)
+    except SyntaxError as error:  # those of lxml are
+        raise RobotError(say("attached-srdf-wrong", file, reason=error.msg)) from error
+    if unknown:
+        raise RobotError(
+            say(
+                "attached-srdf-reference",
+                replace(file, line=each.line),
+                field=each.attribute,
+                found=each.name,
+                suggestion=did_you_mean(each.name, known.get(each.kind, ())),
+                tag=each.tag,
+                kind=each.kind,
+            )
+            for each in unknown
+        )
+    if others := [tag for tag in elements.values() if tag not in SRDF_NAMES]:
+        notices.append(say("attached-srdf-left-out", file, tags=listed([*dict.fromkeys(others)])))
+    return tuple([text for text, tag in elements.items() if tag in SRDF_NAMES])
 
 
 def _joint_problems(joint: Joint, found: ForeignRobot, links: list[str]) -> Iterator[Problem]:

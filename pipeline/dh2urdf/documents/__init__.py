@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     from dh2urdf.documents.xml_elements import (
         ACCEPTED_XML as ACCEPTED_XML,
         DOCUMENT_TYPE as DOCUMENT_TYPE,
+        SRDF_NAMES as SRDF_NAMES,
         ForbiddenXmlError as ForbiddenXmlError,
         check_encoding as check_encoding,
         lost_references as lost_references,
+        prefixed_srdf as prefixed_srdf,
         renamed as renamed,
+        srdf_elements as srdf_elements,
         xml_root as xml_root,
     )
     from dh2urdf.source import LONG_PATH as LONG_PATH
@@ -40,7 +43,7 @@ else:
             "nodes": "Item Node",
             "text_files": "LONG_PATH check_file decoded is_file is_folder is_there kind_of_file read_bytes "
             "refuse_other_kind",
-            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError check_encoding lost_references renamed "
-            "xml_root",
+            "xml_elements": "ACCEPTED_XML DOCUMENT_TYPE ForbiddenXmlError SRDF_NAMES check_encoding lost_references "
+            "prefixed_srdf renamed srdf_elements xml_root",
         },
     )

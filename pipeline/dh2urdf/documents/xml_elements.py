@@ -6,14 +6,14 @@ and an odd encoding may hide one from a reader; so both are refused, as the pars
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
 from dh2urdf.source import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Set as AbstractSet
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Set as AbstractSet
 
 ENCODINGS = frozenset(
     {"utf-8", "utf8", "utf-16", "utf-16le", "utf-16be", "iso-8859-1", "latin1", "latin-1", "us-ascii", "ascii"}
@@ -151,3 +151,75 @@ def renamed(
         each.text = rename(inner) if inner in names else each.text and keep(each.text)
         each.tail = each.tail and keep(each.tail)
     return element
+
+
+# --- Elements of an SRDF ----------------------------------------------------------------------------------------------
+
+SRDF_NAMES: dict[str, dict[str, str]] = {
+    "group": {"name": "group"},
+    "group/link": {"name": "link"},
+    "group/joint": {"name": "joint"},
+    "group/group": {"name": "group"},
+    "group/chain": {"base_link": "link", "tip_link": "link"},
+    "group_state": {"group": "group"},
+    "group_state/joint": {"name": "joint"},
+    "end_effector": {"name": "end effector", "parent_link": "link", "group": "group", "parent_group": "group"},
+    "passive_joint": {"name": "joint"},
+    "joint_property": {"joint_name": "joint"},
+    "disable_default_collisions": {"link": "link"},
+    "enable_collisions": {"link1": "link", "link2": "link"},
+    "disable_collisions": {"link1": "link", "link2": "link"},
+}
+"""What attributes name, by the path of their element below the robot (moveit/srdfdom, src/model.cpp)."""
+
+
+class UnknownName(NamedTuple):
+    """A name in an SRDF of what there is not."""
+
+    line: int
+    tag: str
+    attribute: str
+    kind: str  # what it should name: a link, a joint or a group
+    name: str
+
+
+def srdf_elements(content: bytes, known: Mapping[str, AbstractSet[str]]) -> tuple[dict[str, str], list[UnknownName]]:
+    """The elements of an SRDF as XML, each with its tag, and their names of what there is not.
+
+    Args:
+        content: the text of the file.
+        known: the names of all links and joints, by ``link`` and ``joint``.
+
+    Raises:
+        SyntaxError: it is no XML, as of `xml_root`, or no SRDF, or it has macros.
+    """
+    root = xml_root(content)
+    if root.tag != "robot":
+        raise ForbiddenXmlError(f"its outermost element is {root.tag!s}")
+    if any("}" in str(each.tag) for each in root.iter()):
+        raise ForbiddenXmlError("it has macros")
+    known = {**known, "group": {each.get("name", "") for each in root.iterfind("group")}}
+    unknown = [
+        UnknownName(int(str(each.sourceline)), str(each.tag), attribute, kind, each.get(attribute, ""))
+        for element in root
+        for each, attribute, kind in _named(element)
+        if not (name := each.get(attribute)) or name not in known.get(kind, {name})
+    ]
+    return {etree.tostring(each, encoding="unicode", with_tail=False): str(each.tag) for each in root}, unknown
+
+
+def prefixed_srdf(text: str, prefix: str) -> etree._Element:
+    """An element of an SRDF with a prefix before each name in it."""
+    element = etree.fromstring(text)
+    for each, attribute, _ in [*_named(element)]:
+        each.set(attribute, prefix + each.get(attribute, ""))
+    return element
+
+
+def _named(element: etree._Element) -> Iterator[tuple[etree._Element, str, str]]:
+    """The attributes of an element of an SRDF that name something, each with its element and what it names."""
+    for each in (element, *element):
+        path = str(element.tag) if each is element else f"{element.tag!s}/{each.tag!s}"
+        for attribute, kind in SRDF_NAMES.get(path, {}).items():
+            if each.get(attribute) or attribute != "parent_group":  # the only one that may be absent or empty
+                yield each, attribute, kind

@@ -56,6 +56,7 @@ def _part(given: PartSection, node: Node, place: str, to: Reading) -> PartCall |
             name=given.name,
             root=given.root,
             tip=given.tip,
+            srdf=None if given.srdf is None else to.folder_of(file) / given.srdf,
             elements=keep.elements == "all",
             repairs=keep.inertia == "repair",
             missing_meshes=keep.missing_meshes,

@@ -117,6 +117,13 @@ output: out
         return {path.name for path in files if path.stat().st_mtime_ns != before[path.name]}
 
     assert written_again() == set()
+    (tmp_path / "run.yaml").write_text(run.replace("hand.urdf}", "hand.urdf, srdf: hand.srdf}"))
+    srdf = '<robot name="hand"><passive_joint name="left"/></robot>'
+    (tmp_path / "hand.srdf").write_text(srdf)
+    assert written_again() == {f"cell_{number}.urdf" for number in (1, 2, 3)}
+    assert written_again() == set()
+    (tmp_path / "hand.srdf").write_text(srdf.replace("left", "right"))
+    assert written_again() == {f"cell_{number}.urdf" for number in (1, 2, 3)}
     (tmp_path / "hand.urdf").write_text(HAND.replace('mass value="0.6"', 'mass value="0.7"'), "utf-8")
     assert written_again() == {f"cell_{number}.urdf" for number in (1, 2, 3)}
     assert read_urdf(tmp_path / "out" / "cell_2.urdf").mass == pytest.approx(robots[1].mass + 0.1, rel=1e-12)

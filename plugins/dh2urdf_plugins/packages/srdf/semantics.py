@@ -5,10 +5,12 @@ The elements are those that srdfdom reads (moveit/srdfdom, src/model.cpp).
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from lxml import etree
 
+from dh2urdf.documents import prefixed_srdf
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import TOOL, WORLD, JointType
 from dh2urdf.quantities import format_numbers
@@ -191,9 +193,16 @@ def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._El
         element = append("group_state", {"name": "home" if any(positions) else "zero", "group": group.name})
         for joint, position in zip(group.joints, positions, strict=True):
             append("joint", {"name": joint.name, "value": format_numbers((position,))[0]}, element)
+    carried = [prefixed_srdf(text, each.prefix) for each in robot.attachments for text in each.semantics]
+    names = [group.name for group in found.groups] + [str(each.get("name")) for each in carried if each.tag == "group"]
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        raise EmitterError(say("srdf-group-taken", field="group", found=twice[0]))
+    passive = {each.get("name") for each in carried if each.tag == "passive_joint"}
+    decided = {frozenset((each.get("link1"), each.get("link2"))) for each in carried}
     others = [("end_effector", words) for words in found.end_effectors]
-    others += [("passive_joint", {"name": follower}) for follower in robot.followers]
-    others += [("disable_collisions", pair._asdict()) for pair in pairs.disabled]
+    others += [("passive_joint", {"name": follower}) for follower in robot.followers if follower not in passive]
+    others += [("disable_collisions", pair._asdict()) for pair in pairs.disabled if frozenset(pair[:2]) not in decided]
     for tag, words in others:
         append(tag, words)
+    root.extend(carried)
     return root

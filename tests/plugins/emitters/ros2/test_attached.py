@@ -1,5 +1,7 @@
 """Packages and SRDFs of arms that hold something: a hand with a joint that follows another one, and its files."""
 
+import re
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -278,6 +280,54 @@ def test_the_group_of_the_arm_ends_at_the_tip() -> None:
         "group": "right_hand",
         "parent_group": "right_manipulator",
     }
+
+
+HAND_SRDF = """<robot name="hand"><!-- @ is where a prefix comes -->
+  <virtual_joint name="v" type="fixed" parent_frame="world" child_link="base_link"/>
+  <group name="@fingers"><link name="@left_finger"/><joint name="@left"/></group>
+  <group name="@reach"><chain base_link="@base_link" tip_link="@tool0"/></group>
+  <group name="@every"><group name="@fingers"/><group name="@reach"/></group>
+  <group_state name="open" group="@fingers"><joint name="@left" value="0.5"/></group_state>
+  <end_effector name="@grip" parent_link="@tool0" group="@fingers"/>
+  <end_effector name="@tips" parent_link="@base_link" group="@fingers" parent_group="@reach"/>
+  <passive_joint name="@right"/>
+  <joint_property joint_name="@left" property_name="angular_distance_weight" value="2"/>
+  <disable_default_collisions link="@tool0"/>
+  <enable_collisions link1="@tool0" link2="@base_link"/>
+  <disable_collisions link1="@right_finger" link2="@left_finger" reason="User"/>
+</robot>"""
+
+
+def test_the_srdf_of_a_hand_is_in_that_of_the_cell(tmp_path: Path) -> None:
+    """Once for each hand, with a prefix before each name, beside what there is without it."""
+    pytest.importorskip("pinocchio")
+    shape = "<collision><geometry><sphere radius='0.01'/></geometry></collision>"
+    (tmp_path / "hand.urdf").write_text(HAND.read_text().replace('"right_finger">', f'"right_finger">{shape}', 1))
+    (tmp_path / "hand.srdf").write_text(HAND_SRDF.replace("@", ""))
+    options = AttachOptions(file=tmp_path / "hand.urdf", name="grip", keep="none", srdf=tmp_path / "hand.srdf")
+    part, notices = options.attachment
+    assert [each.code for each in notices] == ["attached-srdf-left-out"]  # the virtual joint: another link holds it
+    calls = [ArmCall(name="arm", of="ur5", prefix="arm_")]
+    for name, link in (("a", "tool0"), ("b", "link_4")):
+        calls.append(ArmCall(name=name, of="grip", prefix=f"{name}_", parent="arm", link=link, part=part))
+    kind = alpha_swap(dh2urdf.read(UR5), AlphaSwapOptions())
+    robot = compose(Cell(call=CellCall(name="cell", arms=tuple(calls)), manipulators={}), {"ur5": kind})
+    bare = replace(robot, attachments=tuple(replace(each, semantics=()) for each in robot.attachments))
+
+    def elements(root: etree._Element) -> Counter[str]:
+        texts = [etree.tostring(each, method="c14n", with_tail=False).decode() for each in root.iterchildren("*")]
+        return Counter(re.sub(r">\s+<", "><", text) for text in texts if "virtual" not in text)
+
+    found, without = elements(semantics(robot)), elements(semantics(bare))
+    carried = elements(etree.fromstring(HAND_SRDF.replace("@", "a_")))
+    carried += elements(etree.fromstring(HAND_SRDF.replace("@", "b_")))
+    assert {*found.values()} == {1}
+    assert found - without == carried - without
+    gone = [dict(etree.fromstring(text).attrib) for text in without - found]
+    pairs = [{"link1": f"{side}_left_finger", "link2": f"{side}_right_finger", "reason": "Adjacent"} for side in "ab"]
+    assert sorted(gone, key=str) == pairs  # the hand's own reason takes their place
+    _, moveit = written(robot, tmp_path)
+    assert elements(etree.parse(str(moveit / "config" / "cell.srdf")).getroot()) == found
 
 
 def grasping() -> Robot:

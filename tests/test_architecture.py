@@ -384,7 +384,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 860,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
-    "plugins/dh2urdf_plugins/formats": 4390,
+    "plugins/dh2urdf_plugins/formats": 4400,
     "plugins/dh2urdf_plugins/loaders": 2650,
     "plugins/dh2urdf_plugins/packages": 2260,
     "plugins/dh2urdf_plugins/readers": 6950,

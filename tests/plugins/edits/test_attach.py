@@ -368,3 +368,13 @@ def test_the_report_names_the_tool(emitter: str, tmp_path: Path) -> None:
         assert etree.parse(str(srdf)).find("group/chain").get("tip_link") == "hand_tool0"
     (row,) = dh2urdf.run({**run, "edits": [], "variations": [], "output": str(tmp_path / "bare")})["manipulators"]
     assert "tools" not in row
+
+
+def test_mujoco_takes_a_mesh_without_a_volume(convert: Callable[..., tuple[Path, Robot]], tmp_path: Path) -> None:
+    """A label that is flat, or a screw of a micrometre: pieces of published visuals."""
+    mujoco = pytest.importorskip("mujoco")
+    flat = "".join(f"v {x} {y} 0\n" for x, y in ((0, 0), (1, 0), (0, 1), (1, 1))) + "f 1 2 3\nf 2 4 3\n"
+    (tmp_path / "label.obj").write_text(flat, "utf-8")
+    mesh = "<visual><geometry><mesh filename='label.obj'/></geometry></visual>"
+    path, _ = convert(".xml", f"<robot name='h'><link name='palm'>{mesh}</link></robot>")
+    assert mujoco.MjModel.from_xml_path(str(path)).nmesh == 1

@@ -171,7 +171,7 @@ def test_meshes_are_assets(arm: Robot) -> None:
     links = tuple(replace(link, visuals=(mesh, mesh)) if link.name == "link_2" else link for link in arm.links)
     text = text_of(replace(arm, links=links))
     assert text.count("<mesh ") == 1
-    assert '<mesh name="mesh_1" file="package://arm/hand.stl" scale="0.001 0.001 0.001"/>' in text
+    assert '<mesh name="mesh_1" file="package://arm/hand.stl" scale="0.001 0.001 0.001" inertia="shell"/>' in text
     assert text.count('mesh="mesh_1"') == 2
 
 

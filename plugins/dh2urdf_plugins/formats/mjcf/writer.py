@@ -77,7 +77,9 @@ class _Model:
         assets = etree.SubElement(root, "asset") if self._meshes else root
         for mesh, name in self._meshes.items():
             file = self._notation.text(mesh.filename)
-            etree.SubElement(assets, "mesh", {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale)})
+            # MuJoCo refuses a mesh of little volume that is no shell. Its mass is none: bodies have inertias.
+            form = {"name": name, "file": file, "scale": self._notation.numbers(mesh.scale), "inertia": "shell"}
+            etree.SubElement(assets, "mesh", form)
         root.append(world)
         self._append_excludes(root)
         self._append_followers(root)

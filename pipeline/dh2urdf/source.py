@@ -134,7 +134,7 @@ class Problem:
     @property
     def cause(self) -> tuple[str | None, ...]:
         """What it has in common with problems of other manipulators: all but names and numbers; words found count."""
-        return (self.severity, self.code, self.field, alike(self.message), _NUMBER.sub("#", self.found or ""))
+        return (self.severity, self.code, self.field, alike(self.message), re.sub(_NUMBER, "#", self.found or ""))
 
     def about(self, *, robot: str | None = None, mark: Mark | None = None) -> Problem:
         """The same problem with robot and mark filled in where it has none."""
@@ -277,22 +277,22 @@ def markdown_text(text: str) -> str:
 MOST_PLACES = 4
 """Places of one cause that are named besides the first."""
 LONGEST_PATTERN = 300  # characters of a pattern; of a longer message the beginning counts
-_QUOTED = re.compile(r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)")
-_NUMBER = re.compile(r"[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b", re.IGNORECASE)
-_NUMBERS = re.compile(r"#(?:, #)+")
-_SEVERAL = re.compile(r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*")
+_QUOTED = r"(?<!\w)('[^']*'|\"[^\"]*\")(?!\w)"
+_NUMBER = r"(?i)[-+−]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?|\b(?:nan|inf)\b"
+_NUMBERS = r"#(?:, #)+"
+_SEVERAL = r"(?:'…'|#)(?:(?:, | and | )(?:'…'|#))*"
 
 
 def pattern(message: str) -> str:
     """Return a message without what differs between manipulators: quoted text is '…', a number or several are #."""
-    without = _NUMBER.sub("#", _QUOTED.sub("'…'", message[: 4 * LONGEST_PATTERN]))
-    return _NUMBERS.sub("#", without)[:LONGEST_PATTERN]
+    without = re.sub(_NUMBER, "#", re.sub(_QUOTED, "'…'", message[: 4 * LONGEST_PATTERN]))
+    return re.sub(_NUMBERS, "#", without)[:LONGEST_PATTERN]
 
 
 @lru_cache(maxsize=1024)
 def alike(message: str) -> str:
     """What a message has in common with those that name other joints, links and numbers."""
-    return _SEVERAL.sub("…", pattern(message))
+    return re.sub(_SEVERAL, "…", pattern(message))
 
 
 class Told(Protocol):

@@ -34,8 +34,8 @@ _DATA = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 # --- Typesetting ------------------------------------------------------------------------------------------------------
 
 _LONGEST = 1000
-_TYPESET = r"[*_`\\$<{}~^(\[]|[^\x00-\x7f]|(?i:var)"
-"""What a text with typesetting has one of."""
+_TYPESET = r"[_`\\$<{}~^(\[]|(?<!\w)\*|\*(?!\w)|[^\x00-\x7f]|(?i:var)"
+"""What a text with typesetting has one of; the star of a product is none."""
 _WRAPS = (
     *((mark, mark) for mark in ("***", "**", "*", "__", "_", "``", "`", "~~", "$$", "$")),
     ("\\(", "\\)"),

@@ -163,6 +163,8 @@ class StageCommand(click.Command):
         """The command's own parameters, with the flags of stages before `--set`."""
         own = super().get_params(ctx)
         flags = ctx.meta[_FLAGS] if _FLAGS in ctx.meta else self._flags(ctx, (), everybody=False)
+        if not flags:
+            return own
         known = {word for parameter in own for word in parameter.opts}
         at = next((index for index, parameter in enumerate(own) if parameter.name == "settings"), len(own))
         return [*own[:at], *(flag for flag in flags if known.isdisjoint(flag.opts)), *own[at:]]

@@ -123,9 +123,9 @@ def stage_calls(
         kind: {name: None for stage in some for name in stage.options.__dataclass_fields__}
         for kind, some in stages.items()
     }
-    keys = [f"{kind}.{name}" for kind in known for name in known[kind]]
     problems: list[Problem] = []
     for text in settings:
+        keys = [f"{kind}.{name}" for kind in known for name in known[kind]]
         path, equals, value = map(str.strip, text.partition("="))
         kind, _, key = path.rpartition(".")
         kinds = [each for each in known if key in known[each] and kind in ("", each)]

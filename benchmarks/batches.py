@@ -35,7 +35,7 @@ import yaml
 from arms import LONG, SHORT, Lengths, write_table
 from measuring import Child, fresh, in_turn, machine, run_child, seconds, table
 
-from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD, ShardWriter
+from dh2urdf.output.layouts import DEFAULT_SIZE as SHARD, writing_shard
 from dh2urdf.output.store import LocalStore
 from dh2urdf.plugin_system.catalog import load
 from dh2urdf.run_file.config import load_config
@@ -147,9 +147,9 @@ def write_shards(files: Files, folder: Path) -> None:
     """Write files into tar shards, as a run does."""
     store = LocalStore(folder)
     for first in range(0, len(files), SHARD):
-        with ShardWriter(store, f"{first // SHARD:06d}.tar") as shard:
+        with writing_shard(store, f"{first // SHARD:06d}.tar") as add:
             for name, content in files[first : first + SHARD]:
-                shard.add(name, content)
+                add(name, content)
 
 
 def write_tars(files: Files, folder: Path) -> None:

@@ -12,7 +12,7 @@ from array import array
 from collections import Counter
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
-from hashlib import blake2b, file_digest, sha256
+from hashlib import file_digest, sha256
 from typing import IO, TYPE_CHECKING, BinaryIO, NamedTuple, cast
 
 import orjson
@@ -67,7 +67,7 @@ class Journal:
 class Earlier:
     """The rows of earlier runs, on disk; in memory are 24 bytes for each."""
 
-    def __init__(self, rows: IO[bytes], hashes: NDArray[np.uint64], places: NDArray[np.int64]) -> None:
+    def __init__(self, rows: IO[bytes], hashes: NDArray[np.int64], places: NDArray[np.int64]) -> None:
         self._rows, self._hashes, self._places = rows, hashes, places
 
     def __len__(self) -> int:
@@ -77,7 +77,7 @@ class Earlier:
         """What is known of manipulators of some names, newest first, by the place of the name."""
         import numpy as np
 
-        wanted = np.array([_hash(name) for name in names], dtype=np.uint64)
+        wanted = np.array([hash(name) for name in names], dtype=np.int64)
         first = np.searchsorted(self._hashes, wanted, "left")
         last = np.searchsorted(self._hashes, wanted, "right")
         found: dict[int, tuple[bytes, ...]] = {}
@@ -95,27 +95,23 @@ def earlier_rows(store: Store) -> Iterator[Earlier]:
     """What earlier runs into a store have done, finished or not."""
     import numpy as np
 
-    hashes, places, size = array("Q"), array("q"), 0
+    hashes, places, size = array("q"), array("q"), 0
     with tempfile.TemporaryFile(prefix="dh2urdf-") as spool:
         for name in [*([MANIFEST] if store.size(MANIFEST) else []), *sorted(store.names(JOURNAL))]:
             with store.open(name) as stream:
                 for line in stream:
                     try:
-                        hashes.append(_hash(orjson.loads(line)["name"]))
-                    except (orjson.JSONDecodeError, KeyError, TypeError, AttributeError):
+                        hashes.append(hash(orjson.loads(line)["name"]))
+                    except (orjson.JSONDecodeError, KeyError, TypeError):
                         continue  # The line that a process wrote when it was killed.
                     places.append(size)
                     whole = line if line.endswith(b"\n") else line + b"\n"
                     with reporting_os_errors(tempfile.gettempdir()):
                         write_all(spool.fileno(), whole)
                     size += len(whole)
-        names, lines = np.frombuffer(hashes, dtype=np.uint64), np.frombuffer(places, dtype=np.int64)
+        names, lines = np.frombuffer(hashes, dtype=np.int64), np.frombuffer(places, dtype=np.int64)
         order = np.argsort(names, kind="stable")
         yield Earlier(spool, names[order], lines[order])
-
-
-def _hash(name: str) -> int:
-    return int.from_bytes(blake2b(name.encode(errors="surrogatepass"), digest_size=8).digest(), "little")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

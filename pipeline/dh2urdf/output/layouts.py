@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import io
 import os
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, NotRequired, Self, TypeAlias, TypedDict
+from typing import TYPE_CHECKING, NotRequired, TypeAlias, TypedDict
 
 from dh2urdf.errors import OutputError
 from dh2urdf.output.whole_files import checked, refused, reporting_os_errors, safe_stem, write_all
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
-    from types import TracebackType
 
     from dh2urdf.output.store import Store
 
@@ -42,64 +41,54 @@ def shard_stem(name: str) -> str:
     return safe_stem(name).replace(".", "_")
 
 
-class ShardWriter:
-    """A shard in the making: a context at whose end it stands whole in its store, or, after an error, not at all.
+@contextmanager
+def writing_shard(store: Store, name: str) -> Iterator[Callable[[str, bytes], int]]:
+    """A shard in the making: at the end it stands whole in its store, or, after an error, not at all.
+
+    Yields:
+        What adds a file, from its name and content, and returns where its content begins [byte].
 
     Raises:
         OutputError: it cannot be written.
     """
+    place = f"{store}/{checked(name)}"
+    waiting: list[bytes | memoryview] = []
+    size = written = released = 0
 
-    def __init__(self, store: Store, name: str) -> None:
-        self._store, self._name = store, checked(name)
-        self._parts: list[bytes | memoryview] = []
-        self._size = self._written = self._released = 0
-
-    def __enter__(self) -> Self:
-        with ExitStack() as stack:
-            self._path = stack.enter_context(self._store.scratch()) / "shard"
-            with reporting_os_errors(self._place):
-                self._file = stack.enter_context(self._path.open("wb", buffering=0))
-            self._stack = stack.pop_all()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        with self._stack:
-            if error is None:
-                self._parts.append(_end(self._size))
-                self._write()
-                with reporting_os_errors(self._place):
-                    self._file.close()
-                self._store.put(self._name, self._path)
-
-    def add(self, name: str, content: bytes) -> int:
-        """Add a file.
-
-        Returns:
-            Where its content begins [byte].
-        """
-        parts = _parts(checked(name), content)
-        offset = self._size + len(parts[0])
-        self._parts += parts
-        self._size += sum(map(len, parts))
-        if self._size - self._written >= _AT_ONCE:
-            self._write()
+    def add(inner: str, content: bytes) -> int:
+        nonlocal size
+        parts = _parts(checked(inner), content)
+        offset = size + len(parts[0])
+        waiting.extend(parts)
+        size += sum(map(len, parts))
+        if size - written >= _AT_ONCE:
+            write()
         return offset
 
-    def _write(self) -> None:
-        with reporting_os_errors(self._place):
-            write_all(self._file.fileno(), b"".join(self._parts))
-        self._parts.clear()
-        self._written = self._size
-        if self._written - self._released >= _IN_MEMORY:
+    def write() -> None:
+        nonlocal written, released
+        with reporting_os_errors(place):
+            write_all(file.fileno(), b"".join(waiting))
+        waiting.clear()
+        written = size
+        if written - released >= _IN_MEMORY:
             # The system writes what it holds to the disk, and frees the memory of what is there: otherwise a run of a
             # million manipulators fills the machine's memory with copies of its shards, an eighth of the run.
             with suppress(OSError):  # It is advice, which a file system need not take.
-                os.posix_fadvise(self._file.fileno(), 0, self._written, os.POSIX_FADV_DONTNEED)
-            self._released = self._written
+                os.posix_fadvise(file.fileno(), 0, written, os.POSIX_FADV_DONTNEED)
+            released = written
 
-    @property
-    def _place(self) -> str:
-        return f"{self._store}/{self._name}"
+    with store.scratch() as folder:
+        path = folder / "shard"
+        with reporting_os_errors(place):
+            file = path.open("wb", buffering=0)
+        with file:
+            yield add
+            waiting.append(_end(size))
+            write()
+            with reporting_os_errors(place):
+                file.close()
+        store.put(name, path)
 
 
 def _parts(name: str, content: bytes | memoryview) -> tuple[bytes, bytes | memoryview, bytes]:
@@ -147,7 +136,7 @@ def members(content: bytes) -> dict[str, memoryview]:
 
 
 def is_shard_of(content: bytes, files: Iterable[tuple[str, bytes | memoryview]]) -> bool:
-    """Whether a shard has, to the last byte, what `ShardWriter` writes of files with these names and contents."""
+    """Whether a shard has, to the last byte, what `writing_shard` writes of files with these names and contents."""
     whole, position = memoryview(content), 0
     with suppress(OutputError):  # of a name that has no bytes
         for part in (part for name, inner in files for part in _parts(name, inner)):
@@ -251,5 +240,5 @@ class Layout:
             yield put
             return
         folder = self.folder(first)
-        with ShardWriter(store, folder) as shard:
-            yield lambda _index, name, content: {"path": name, "shard": folder, "offset": shard.add(name, content)}
+        with writing_shard(store, folder) as add:
+            yield lambda _index, name, content: {"path": name, "shard": folder, "offset": add(name, content)}

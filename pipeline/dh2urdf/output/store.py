@@ -22,7 +22,7 @@ from dh2urdf.output.whole_files import NOT_THERE, TO_FOLDER, checked, refused, r
 from dh2urdf.source import Messages
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from dh2urdf.output.remote_store import RemoteStore
 
@@ -78,7 +78,6 @@ class LocalStore:
     def __init__(self, directory: Path) -> None:
         self.directory = directory
         self._root = os.path.abspath(directory)  # noqa: PTH100 - links are for the system to follow
-        self._made: set[str] = set()
         self._protected: frozenset[str] = frozenset()
 
     def __str__(self) -> str:
@@ -96,35 +95,40 @@ class LocalStore:
         """Write a file whole, in the place of an older one."""
         # Plain system calls, since a run does this a million times. The temporary name is known before there is a file,
         # so that an interrupt, which may come between any two steps, leaves none.
-        path = self._target(name)
         temporary = f"{self._root}/{_TEMPORARY}/{os.urandom(8).hex()}"
+
+        def create(path: str) -> None:
+            _write_file(temporary, os.O_TRUNC, content)
+            os.replace(temporary, path)  # noqa: PTH105
+
         try:
-            try:
-                _write_file(temporary, os.O_EXCL, content)
-                os.replace(temporary, path)  # noqa: PTH105
-            except FileNotFoundError:  # Someone has removed a folder.
-                self._made.clear()
-                self._make_folders(name)
-                _write_file(temporary, os.O_TRUNC, content)
-                os.replace(temporary, path)  # noqa: PTH105
-        except BaseException as error:
+            self._create(name, create)
+        except BaseException:
             with suppress(OSError, ValueError):
                 os.unlink(temporary)  # noqa: PTH108
-            if isinstance(error, (OSError, ValueError)):
-                raise refused(self.directory / name, error) from error
             raise
 
     def put(self, name: str, path: Path) -> None:
         """Put a finished file of a folder of `scratch` where it belongs, in the place of an older one."""
-        target = self._target(name)
-        with reporting_os_errors(self.directory / name):
-            path.replace(target)
+        self._create(name, path.replace)
 
     def append(self, name: str, lines: bytes) -> None:
         """Write lines at the end of a file in one call, so that a kill tears no line but the last."""
-        path = self._target(name)
+        self._create(name, lambda path: _write_file(path, os.O_APPEND, lines))
+
+    def _create(self, name: str, create: Callable[[str], object]) -> None:
+        path = self._path(name)
+        if self.is_protected(name):
+            raise OutputError(say("input-overwritten", found=name, path=self.directory / name, other=""))
         with reporting_os_errors(self.directory / name):
-            _write_file(path, os.O_APPEND, lines)
+            try:
+                create(path)
+            except NOT_THERE:  # It is the first file of its folder, or somebody has removed the folder.
+                folder = name.rpartition("/")[0]
+                with reporting_os_errors(self.directory / folder, TO_FOLDER):
+                    for each in (_TEMPORARY, folder):
+                        os.makedirs(f"{self._root}/{each}", exist_ok=True)  # noqa: PTH103
+                create(path)
 
     def read(self, name: str) -> bytes:
         """Return the content of a file."""
@@ -161,22 +165,19 @@ class LocalStore:
         path = Path(self._path(name))
         with reporting_os_errors(self.directory / name, "remove"), suppress(*NOT_THERE):
             path.unlink()
-        if folder := name.rpartition("/")[0]:
+        if "/" in name:
             with suppress(OSError):  # Others are in it.
                 path.parent.rmdir()
-                self._made.discard(folder)
 
     def remove_tree(self, folder: str) -> None:
         """Remove a folder and all in it, if it is there."""
         path = self._path(folder)
-        self._made.clear()
         with reporting_os_errors(self.directory / folder, "remove"), suppress(*NOT_THERE):
             shutil.rmtree(path)
 
     @contextmanager
     def scratch(self) -> Iterator[Path]:
         """Yield a folder for files in the making, on the same file system, so that `put` is a rename."""
-        self._make_folders("")
         with staging(Path(self._path(_TEMPORARY))) as folder:
             yield folder
 
@@ -242,25 +243,6 @@ class LocalStore:
 
     def _path(self, name: str) -> str:
         return f"{self._root}/{checked(name)}"
-
-    def _target(self, name: str) -> str:
-        """The path of a file that is to be written, whose folder is made."""
-        path = self._path(name)
-        if self.is_protected(name):
-            raise OutputError(say("input-overwritten", found=name, path=self.directory / name, other=""))
-        self._make_folders(name)
-        return path
-
-    def _make_folders(self, name: str) -> None:
-        """Make the folder of a file, and the one of temporary files; each is made once."""
-        folder = name.rpartition("/")[0]
-        if folder in self._made:
-            return
-        with reporting_os_errors(self.directory, TO_FOLDER):
-            os.makedirs(f"{self._root}/{_TEMPORARY}", exist_ok=True)  # noqa: PTH103
-        with reporting_os_errors(self.directory / folder, TO_FOLDER):
-            os.makedirs(f"{self._root}/{folder}", exist_ok=True)  # noqa: PTH103
-        self._made.add(folder)
 
 
 def _write_file(path: str, flags: int, content: bytes) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from dh2urdf.output.layouts import ShardWriter, is_shard_of, members, shard_stem
+from dh2urdf.output.layouts import is_shard_of, members, shard_stem, writing_shard
 from dh2urdf.output.store import Store, open_store
 
 SAMPLE = [
@@ -29,8 +29,8 @@ files = st.lists(st.tuples(names, st.binary(max_size=1500)), max_size=8)
 
 def written(store: Store, some: Iterable[tuple[str, bytes]], name: str = "000001.tar") -> list[int]:
     """Write a shard; where each content begins."""
-    with ShardWriter(store, name) as shard:
-        return [shard.add(file, content) for file, content in some]
+    with writing_shard(store, name) as add:
+        return [add(file, content) for file, content in some]
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +112,9 @@ class TestWhole:
         older = store.read("000001.tar")
 
         def interrupted(name: str) -> None:
-            with ShardWriter(store, name) as shard:
+            with writing_shard(store, name) as add:
                 for number in range(count):
-                    shard.add(f"arm_{number}.urdf", bytes(1000))
+                    add(f"arm_{number}.urdf", bytes(1000))
                 raise error
 
         for name in ("000001.tar", "000002.tar"):

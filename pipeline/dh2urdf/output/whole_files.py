@@ -109,38 +109,28 @@ class Stems:
         self._tails = {
             longer.removesuffix(shorter) for longer, shorter in pairs if longer != shorter and longer.endswith(shorter)
         }
-        self._have_tails = False  # whether a stem that was wanted ends in one of them
         ends = [ending for some in endings for ending in some]
         self._taken.add(name.removesuffix(end) for name in own_files for end in ends if name.endswith(end))
-
-    def claim_all(self, names: Sequence[str]) -> list[tuple[str, Problem | None]]:
-        """The stems of manipulators, each with a notice where another one already has the stem of its name."""
-        stems = [self._stem_of(name) for name in names]
-        keys = [self._key(stem) for stem in stems]
-        kept = [other for key in keys for other in self._kept(key)] if self._tails else []
-        if len(set(keys)) < len(keys) or not set(keys).isdisjoint(kept) or self._taken.known([*keys, *kept]):
-            return [self.claim(name) for name in names]
-        self._taken.add(keys)
-        return [(stem, None) for stem in stems]
 
     def claim(self, name: str) -> tuple[str, Problem | None]:
         """The stem of a manipulator, and a notice where another one already has the stem of its name."""
         wanted = stem = self._stem_of(name)
-        number = self._numbers.get(self._key(wanted), 1)
-        while self._taken.known([self._key(stem), *self._kept(self._key(stem))]):
+        first = key = self._key(wanted)
+        number = self._numbers.get(first, 1)
+        while self._taken.known([key, *self._kept(key)]):
             number += 1
             stem = f"{wanted}-{number}"
-        self._taken.add([self._key(stem)])
+            key = self._key(stem)
+        self._taken.add([key])
         if number == 1:
             return stem, None
-        self._numbers[self._key(wanted)] = number
+        self._numbers[first] = number
         return stem, say("stem-changed", robot=name, stem=stem, wanted=wanted)
 
     def _kept(self, key: str) -> list[str]:
-        """The stems besides it that a stem keeps from others: as long as none ends in a tail, there are none."""
+        """The stems besides it that a stem keeps from others."""
         before = [key.removesuffix(tail) for tail in self._tails if key.endswith(tail)]
-        self._have_tails |= bool(before)
-        return before + [key + tail for tail in self._tails] if self._have_tails else []
+        return before + [key + tail for tail in self._tails]
 
     @staticmethod
     def _key(stem: str) -> str:

@@ -279,9 +279,8 @@ def _batch(first: int, some: Sequence[RunItem], stems: Stems) -> Batch:
             tracebacks[place] = item.traceback
         place += item.size
     # Of an input that cannot be read there will be no files, and its name may be another manipulator's.
-    claiming = [place for place in range(len(names)) if not isinstance(singles.get(place), Rejected)]
-    for place, (stem, clash) in zip(claiming, stems.claim_all([names[place] for place in claiming]), strict=True):
-        own_stems[place] = stem
+    for place in [place for place in range(len(names)) if not isinstance(singles.get(place), Rejected)]:
+        own_stems[place], clash = stems.claim(names[place])
         if clash:
             told = clash.about(mark=Mark(file=sources[place]) if sources[place] else None)
             notices[place] = (*notices.get(place, ()), told)

@@ -52,6 +52,8 @@ ADDED: dict[str, dict[str, str]] = {
 CHANGED: dict[str, dict[str, tuple[str, Callable[[str], str]]]] = {
     "lengths in mm": {key: (f"{key} [mm]", lambda text: f"{1000 * float(text):.2f}") for key in ("a", "d")},
     "type R": {"type": ("type", lambda _: "R")},
+    "a joint variable": {"theta": ("theta", lambda _: "q")},
+    "multiples of pi": {"theta": ("theta", lambda text: f"pi/{2 + int(float(text) > 0)}")},
 }
 """Columns that are written another way: by their names, the header and the way."""
 

@@ -387,7 +387,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4400,
     "plugins/dh2urdf_plugins/loaders": 2650,
     "plugins/dh2urdf_plugins/packages": 2260,
-    "plugins/dh2urdf_plugins/readers": 6950,
+    "plugins/dh2urdf_plugins/readers": 6990,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6750,

@@ -13,6 +13,7 @@ import re
 import sys
 from collections import defaultdict
 from dataclasses import replace
+from functools import lru_cache
 from itertools import accumulate, chain, pairwise, repeat
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -20,10 +21,11 @@ from dh2urdf.columns import BOUNDS, COM, INERTIA, LIMITS, NUMBERS, ROW_FIELDS, c
 from dh2urdf.errors import TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.manipulator import JointType, Manipulator
+from dh2urdf.quantities import QuantityError, evaluate
 from dh2urdf.rotations import HALF_PI
 from dh2urdf.source import Messages
 from dh2urdf.table_text import GEOMETRY
-from dh2urdf_plugins.readers.header.columns import Row, Rows, is_value
+from dh2urdf_plugins.readers.header.columns import Rows, is_value
 from dh2urdf_plugins.readers.header.header_rows import is_beside, is_number
 from dh2urdf_plugins.readers.header.words import read_header
 from dh2urdf_plugins.readers.rows.cells import unit_at_end
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
 
     from dh2urdf.manipulator import DHRow
-    from dh2urdf.quantities import Unit
+    from dh2urdf.quantities import Dimension, Unit
     from dh2urdf.stages import Rejected
     from dh2urdf_plugins.readers.header.columns import Columns
     from dh2urdf_plugins.readers.header.units import Units
@@ -57,8 +59,11 @@ _LARGEST = {JointType.REVOLUTE: LARGEST_LIMIT, JointType.PRISMATIC: sys.float_in
 """The largest bound that needs no word, by the type of a joint; the other types have no bounds."""
 _PLAIN_NAME = re.compile(rf"(?![xyzXYZ]$)[A-Za-z](?:[\w .:/+-]{{0,{MAX_NAME - 2}}}\w)?", re.ASCII).fullmatch
 """A name that is no axis of a frame and no number, and that has no typesetting: `_j1_` is j1 in Markdown."""
-_DECIMAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?").fullmatch
-_PROBE: dict[type, Value] = {str: "0.001", float: 0.001}
+_EXPRESSION = re.compile(r"[-+*/(). 0-9eEpiπ]+").fullmatch
+"""A number, a multiple of π or a sum of them; what else may look so is refused when it is read."""
+_UNIT = "# "
+"""What the form of a number with a unit begins with."""
+_PROBE = "0.001"
 """What a zero becomes where the model is read again: a number that means something."""
 _TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""
@@ -85,6 +90,7 @@ class PlainRows:
         held = not any(unheld(read_header(header).key) for header in headers)
         self.usable = known and held and self.column.keys() <= _WORDS | _NUMBERS
         self.models: dict[Hashable, Manipulator | None] = {}  # by what has to be alike; None: to be read with care
+        self.known: dict[tuple[str, Dimension], dict[Value, float]] = {}  # the SI numbers of expressions
         self.names = set[tuple[tuple[str, ...], ...]]()
         self.sample = PlainSample()
 
@@ -111,7 +117,7 @@ class PlainRows:
             start, size = starts[members[0]], len(places)
             form = (size, *((name, tuple(each[start : start + size])) for name, each in words.items()))
             forms.append((form, members, places))
-        if 2 * sum(form not in self.models for form, *_ in forms) > len(groups):
+        if 2 * len({form for form, *_ in forms} - self.models.keys()) > len(groups):
             return None  # it takes longer to read the models than to read all of them
         for form, members, places in forms:
             model = self._model(form, groups[members[0]])
@@ -128,10 +134,10 @@ class PlainRows:
         words = {name: columns[index] for name, index in self.column.items() if name in _TOLD}
         for name in self.numbers:
             if name not in numbers:
-                words[name] = [None if is_decimal(cell) else cell for cell in columns[self.column[name]]]
-                texts = {text for text in words[name] if text is not None}
+                words[name] = list(map(number_form, columns[self.column[name]]))
+                texts = set(words[name]) - {None}
                 # A comma says what the points beside it are; a unit asks for that of numbers outside of rows.
-                if any("," in text or (self.units.bare and unit_at_end(text)) for text in texts):
+                if any("," in text or (self.units.bare and text.startswith(_UNIT)) for text in texts if text):
                     return None
         return words
 
@@ -145,24 +151,26 @@ class PlainRows:
         return self.models[form]
 
     def _new_model(self, rows: Rows) -> Manipulator | None:
-        """A manipulator about which there is nothing to say, nor if its zeros were other numbers."""
-        own, probes = self.careful(rows), list[Row]()
-        if not isinstance(own, Manipulator) or own.notices:
+        """A manipulator about which there is nothing to say, nor if no number were sure by itself."""
+        found = self._probed(rows, [self.numbers] * len(rows.cells))
+        if found is None and isinstance(own := self.careful(rows), Manipulator) and not own.notices:
+            # A joint that does not move has zeros that must be zeros.
+            carried = [[name for name in self.numbers if row.type in ROW_FIELDS[name].types] for row in own.rows]
+            found = self._probed(rows, carried)
+        return found
+
+    def _probed(self, rows: Rows, names: Sequence[Sequence[str]]) -> Manipulator | None:
+        """A manipulator with other numbers in some fields of each row; None where anything is to be said about it."""
+        cells = [list(each) for each in rows.cells]
+        for each, own in zip(cells, names, strict=True):
+            for index in map(self.column.__getitem__, own):
+                each[index] = probe(each[index])
+        found = self.careful(replace(rows, cells=cells))  # type: ignore[arg-type]
+        if not isinstance(found, Manipulator) or found.notices:
             return None
-        for cells, row in zip(rows.cells, own.rows, strict=True):
-            zeros = {
-                index
-                for name in self.numbers
-                for index in [self.column[name]]
-                if row.type in ROW_FIELDS[name].types and is_decimal(cells[index]) and not float(cells[index])
-            }
-            probes.append([_PROBE[type(cell)] if index in zeros else cell for index, cell in enumerate(cells)])
-        other = self.careful(replace(rows, cells=probes))
-        if not isinstance(other, Manipulator) or other.notices:
-            return None
-        made = self._rows(own, [slice(k, k + 1) for k in range(len(probes))], list(zip(*probes, strict=True)), {})
+        made = self._rows(found, [slice(k, k + 1) for k in range(len(cells))], list(zip(*cells, strict=True)), {})
         # A record may have another number than the cell, such as a sum with what is in another cell.
-        return own if made == tuple([replace_unchecked(row, mark=None) for row in other.rows]) else None
+        return found if made == tuple([replace_unchecked(row, mark=None) for row in found.rows]) else None
 
     def _rows(
         self,
@@ -180,15 +188,13 @@ class PlainRows:
             found: dict[str, Sequence[float]] = {}
             for name in self.numbers:
                 cells = _at(columns[self.column[name]], where)
-                if name not in numbers and not is_decimal(cells[0]):
+                if name not in numbers and not is_quantity(cells[0]):
                     continue
                 if row.type not in ROW_FIELDS[name].types:
                     if any(text_of(cell).strip("+-0.") for cell in set(cells)):
                         return None
                     continue
-                unit = self.units.unit_of(name, FIELDS[name].measures(slides=row.type is JointType.PRISMATIC))
-                is_si = name in numbers and (unit is None or unit.is_si)
-                values = _at(numbers[name], where) if is_si else decimals(cells, unit)
+                values = self._values(name, cells, _at(numbers[name], where) if name in numbers else None, row.type)
                 if values is None:
                     return None
                 found[name] = values
@@ -200,6 +206,25 @@ class PlainRows:
             names = {name: _at(columns[self.column[name]], where)[0] for name in _NAMES if name in self.column}
             made.append(_row_in_columns(row, names, found))
         return tuple(made) if all(SHORTEST_ARM <= arm <= LONGEST_ARM for arm in arms) else None
+
+    def _values(
+        self, name: str, cells: Sequence[Any], numbers: Sequence[float] | None, kind: JointType
+    ) -> Sequence[float] | None:
+        """The SI numbers of cells, which may be numbers as they are, in rows of a type; None where one is wrong."""
+        dimension = FIELDS[name].measures(slides=kind is JointType.PRISMATIC)
+        unit = self.units.unit_of(name, dimension)
+        found = numbers if numbers is not None and (unit is None or unit.is_si) else decimals(cells, unit)
+        if found is not None:
+            return found
+        known = self.known.setdefault((name, dimension), {})
+        if len(known) > REMEMBERED:
+            known.clear()
+        for cell in set(cells) - known.keys():
+            try:
+                known[cell] = evaluate(text_of(cell), dimension, unit, angle=self.units.in_functions).value
+            except QuantityError:
+                return None
+        return [known[cell] for cell in cells]
 
     # --- Words --------------------------------------------------------------------------------------------------------
 
@@ -298,9 +323,30 @@ def _row_in_columns(model: DHRow, names: Mapping[str, str], numbers: Mapping[str
 # --- Columns of numbers -----------------------------------------------------------------------------------------------
 
 
-def is_decimal(cell: Value) -> bool:
-    """Whether a cell is a decimal number; infinities are none."""
-    return isinstance(cell, float) or _DECIMAL(cell) is not None
+@lru_cache(maxsize=REMEMBERED)
+def number_form(cell: Value) -> str | None:
+    """What a cell has in common with others of its form: the unit of a number, or None, and all of another text."""
+    if isinstance(cell, float) or _EXPRESSION(cell):
+        return None
+    unit = unit_at_end(cell)
+    return f"{_UNIT}{unit}" if unit and _EXPRESSION(cell.removesuffix(unit)) else cell
+
+
+def is_quantity(cell: Value) -> bool:
+    """Whether a cell is a number, with a unit or without one."""
+    form = number_form(cell)
+    return form is None or form.startswith(_UNIT)
+
+
+def probe(cell: Value) -> Value:
+    """A cell of the same form with another number in place of one that needs no unit: a zero, or a multiple of π."""
+    if isinstance(cell, float):
+        return cell or float(_PROBE)
+    is_sure = "p" in cell or "π" in cell or not re.search("[1-9]", cell)
+    if not (is_sure and is_quantity(cell)):
+        return cell
+    unit = (number_form(cell) or "").removeprefix(_UNIT)
+    return f"{_PROBE} {unit}" if unit else _PROBE
 
 
 def decimals(cells: Sequence[Any], unit: Unit | None = None) -> list[float] | None:

@@ -188,7 +188,7 @@ class PartSection:
     args: dict[str, Any] | None = key("arguments of a xacro, by name", None)
     packages: dict[str, Text] | None = key("folders of ROS packages, by the names in package:// addresses", None)
     root: Text | None = key("its link that is held; by default the one that nothing holds in its file", None)
-    tip: Text | None = key("its link that is the tool; by default it has none", None)
+    tip: Text | None = key("its link that takes the place of tool0 as the tool of its arm", None)
     srdf: Text | None = key("its SRDF, from the folder of the run file", None)
     keep: Literal["none"] | KeepSection = key("none: nothing beside links and joints", KeepSection())
     mesh_links: bool = key("whether symbolic links to meshes may lead out of the folders that name them", False)

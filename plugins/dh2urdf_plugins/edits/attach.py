@@ -47,8 +47,8 @@ class AttachOptions:
     xyz: Vec3 = option("where its first link is in the link that holds it [m]", ZERO, measures="length")
     rpy: Vec3 = option("roll, pitch, yaw of its first link there [rad]", ZERO, measures="angle")
     root: str | None = option("its link that is held; by default the one that nothing holds in its file", None)
-    tip: str | None = option("its link that is the tool of the arm from then on; tool0 stays the tool by default", None)
-    srdf: Path | None = option("its SRDF, for the SRDF of the whole robot", None)
+    tip: str | None = option("its link that takes the place of tool0 as the tool; nothing moves", None)
+    srdf: Path | None = option("its SRDF, which goes into the SRDF of the whole robot", None)
     args: dict[str, Any] | None = option("arguments of a xacro: a mapping of names to values", None)
     packages: dict[str, Path] | None = option("folders of ROS packages, by the names in package:// addresses", None)
     keep: Keep | Literal["none"] | None = option(

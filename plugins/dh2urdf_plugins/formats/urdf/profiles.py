@@ -18,7 +18,7 @@ from dh2urdf.source import Messages, Problem
 from dh2urdf_plugins.base_bodies import links_at_rest, notices_for_gazebo, notices_of_riders, with_base_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Set as AbstractSet
+    from collections.abc import Set as AbstractSet
 
     from dh2urdf_plugins.formats.urdf import ProfileName
     from dh2urdf_plugins.formats.urdf.writer import Notation
@@ -81,7 +81,11 @@ def adapted(robot: Robot, profile: Profile) -> Robot:
 def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - those of a URDF or a xacro
     """What a person should know of the file of a profile."""
     name: ProfileName = options.profile
-    found = [*_settings_left_out(robot, PROFILES[name])] if robot.attachments else []
+    found: list[Problem] = []
+    if robot.attachments and PROFILES[name].mujoco_element:
+        from dh2urdf_plugins.formats.urdf.writer import Notation, append_mujoco
+
+        found += append_mujoco(etree.Element("robot"), robot, Notation())
     if name == "coppeliasim":
         from dh2urdf_plugins.coppeliasim_import import notices_for_coppeliasim
 
@@ -91,15 +95,6 @@ def notices_of(robot: Robot, options: Any) -> list[Problem]:  # noqa: ANN401 - t
     elif name in FOR_GAZEBO_TOO:
         found += notices_for_gazebo(robot, filled=False)
     return found
-
-
-def _settings_left_out(robot: Robot, profile: Profile) -> Iterator[Problem]:
-    """The settings for MuJoCo in the files of attachments that the file of the whole robot has otherwise."""
-    from dh2urdf_plugins.formats.urdf.writer import Notation, append_mujoco
-
-    if profile.mujoco_element:
-        for name, setting, kept in append_mujoco(etree.Element("robot"), robot, Notation()):
-            yield say("mujoco-setting-left-out", name=name, setting=setting, kept=kept)
 
 
 def append_transmissions(parent: etree._Element, robot: Robot, notation: Notation) -> None:

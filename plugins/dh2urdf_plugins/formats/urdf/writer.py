@@ -19,7 +19,7 @@ from dh2urdf.meshes import has_meshes
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Mesh, Sphere
 from dh2urdf.rotations import RigidTransform
-from dh2urdf.source import Messages, shown
+from dh2urdf.source import Messages, Problem, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -181,40 +181,37 @@ def _carried(
             yield each, renamed(text, names, lambda own: name(each.prefix + own), notation.verbatim)  # noqa: B023 - at once
 
 
-def append_mujoco(parent: etree._Element, robot: Robot, notation: Notation) -> list[tuple[str, str, str]]:
+def append_mujoco(parent: etree._Element, robot: Robot, notation: Notation) -> list[Problem]:
     """Appends what keeps MuJoCo from fusing fixed links and dropping visuals; other readers pass over it.
 
     Of meshes it takes the file's name alone, without its folder, unless an option forbids it. It refuses a second
     element of its own, and in it a second one of those that it reads. So the settings of attachments are added, and
-    where one is there already, it stays.
-
-    Returns:
-        The settings that are left out: the name of the attachment, the setting, and the value that stays.
+    where one is there already, it stays, with a notice.
     """
-    whole, lost = etree.SubElement(parent, "mujoco"), list[tuple[str, str, str]]()
+    whole, lost = etree.SubElement(parent, "mujoco"), list[Problem]()
     options = {"fusestatic": "false", "discardvisual": "false"}
     etree.SubElement(whole, "compiler", options | ({"strippath": "false"} if has_meshes(robot) else {}))
     for attachment, element in _carried(robot, notation, notation.text) if robot.attachments else ():
         for child in element if element.tag == "mujoco" else ():
             if child.tag in READ_BY_MUJOCO:
-                lost += [(attachment.name, *each) for each in _merged(whole, child)]
+                lost += _merged(whole, child, attachment.name)
             else:
                 whole.append(child)
     return lost
 
 
-def _merged(parent: etree._Element, element: etree._Element) -> Iterator[tuple[str, str]]:
-    """Merges an element into the one of its tag; yields the settings that have another value there, which stays."""
+def _merged(parent: etree._Element, element: etree._Element, whose: str) -> Iterator[Problem]:
+    """Merges an element of an attachment into the one of its tag, whose values stay, with a notice of each other."""
     tag = str(element.tag)
     there = parent.find(tag)
     there = etree.SubElement(parent, tag) if there is None else there
     for name, value in element.items():
         if there.get(name, value) != value:
-            yield f"{tag} {name!s}={value!s}", str(there.get(name))
+            yield say("mujoco-setting-left-out", name=whose, setting=f"{tag} {name!s}={value!s}", kept=there.get(name))
         elif name not in MESH_FOLDERS:
             there.set(name, value)
     for child in element:
-        yield from _merged(there, child)
+        yield from _merged(there, child, whose)
 
 
 def append_inertial(parent: etree._Element, link: str, inertial: Inertial, notation: Notation) -> None:

@@ -46,7 +46,7 @@ from dh2urdf_plugins.formats.urdf.writer import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set as AbstractSet
 
     from dh2urdf.manipulator import Limits
     from dh2urdf.robot import Attachment, Parameter, Robot
@@ -328,19 +328,14 @@ def append_mounting(macro: etree._Element, name: str, root: str) -> None:
 
 def without_attachments(robot: Robot) -> Robot:
     """A robot without what is attached to it."""
-    foreign = robot.foreign_names
-    links = tuple([link for link in robot.links if link.name not in foreign])
-    names = {link.name for link in links}
-    joints = tuple([joint for joint in robot.joints if joint.child in names])
-    return replace_unchecked(robot, links=links, joints=joints, attachments=())
+    return _within(robot, {link.name for link in robot.links} - robot.foreign_names)
 
 
-def part_of(robot: Robot, attachment: Attachment) -> Robot:
-    """An attachment alone, with the names that it has in a robot; the joint that holds it is not its own."""
-    names = {attachment.prefix + name for name in attachment.names}
+def _within(robot: Robot, names: AbstractSet[str], *attachments: Attachment) -> Robot:
+    """Some links of a robot with the joints between them, and attachments."""
     links = tuple([link for link in robot.links if link.name in names])
-    joints = tuple([joint for joint in robot.joints if joint.name in names])
-    return replace_unchecked(robot, links=links, joints=joints, attachments=(attachment,))
+    joints = tuple([joint for joint in robot.joints if {joint.parent, joint.child} <= names])
+    return replace_unchecked(robot, links=links, joints=joints, attachments=attachments)
 
 
 class _PartNotation(XacroNotation):
@@ -400,7 +395,8 @@ class PartMacros:
 
     def macro_of(self, robot: Robot, attachment: Attachment) -> str:
         """The name of the macro of an attachment."""
-        notation, part = _PartNotation(attachment.prefix, self.version), part_of(robot, attachment)
+        notation = _PartNotation(attachment.prefix, self.version)
+        part = _within(robot, {attachment.prefix + name for name in attachment.names}, attachment)
         macro = etree.Element(f"{{{NAMESPACE}}}macro", {"name": "", "params": "prefix:='' parent joint:='' *origin"})
         append_mounting(macro, "${joint or prefix + 'joint'}", notation.name(part.root))
         # A material that other links of the robot have, too, is defined by them: a second definition is an error.

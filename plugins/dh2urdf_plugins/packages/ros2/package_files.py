@@ -74,17 +74,14 @@ def check_names(robot: Robot, *, prefixes: bool) -> None:
         if not re.fullmatch(r"[A-Za-z0-9_-]+", name):
             near = plain_name(name).strip("_") or what
             problems.append(say("ros-name-wrong", found=name, what=what, near=near))
-    # Prefixes begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name).
-    for arm in robot.arms if prefixes else ():
-        if arm.prefix and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", arm.prefix):
-            near = plain_name(arm.prefix, "[^A-Za-z0-9_]+")
-            proposed = f"arm_{near}" if near[:1].isdigit() else near
-            problems.append(say("ros-prefix-wrong", found=arm.prefix, arm=arm.name, proposed=proposed))
-    for each in robot.attachments if prefixes else ():
-        if each.robot.actuated_joints and not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", each.name):
-            near = plain_name(each.name, "[^A-Za-z0-9_]+")
-            proposed = f"part_{near}" if near[:1].isdigit() else near
-            problems.append(say("ros-part-wrong", found=each.name, proposed=proposed))
+    # They begin the names of controllers, which are nodes: letters, digits, ``_`` (rmw_validate_node_name).
+    begin = [("ros-prefix-wrong", "arm", arm.prefix, arm.name) for arm in robot.arms if arm.prefix]
+    begin += [("ros-part-wrong", "part", each.name, "") for each in robot.attachments if each.robot.actuated_joints]
+    for code, what, name, arm_name in begin if prefixes else ():
+        if not re.fullmatch("[A-Za-z_][A-Za-z0-9_]*", name):
+            near = plain_name(name, "[^A-Za-z0-9_]+")
+            proposed = f"{what}_{near}" if near[:1].isdigit() else near
+            problems.append(say(code, found=name, arm=arm_name, proposed=proposed))
     if problems:
         raise EmitterError(problems)
 

@@ -85,7 +85,12 @@ class Semantics:
         self._parts |= {each.prefix + link.name: each for each in robot.attachments for link in each.robot.links}
         chains = [(arm, self._chain(arm.prefix + name, _root(arm), self._tip(arm, robot))) for arm in every]
         arms = [(arm, group) for arm, group in chains if group.joints]
-        others = [(each, _links_of(robot, each, own)) for own, each in moving_attachments(robot, name).items()]
+        others = []
+        for own, each in moving_attachments(robot, name).items():
+            names = {each.prefix + inner for inner in each.names}
+            joints = tuple([joint for joint in robot.actuated_joints if joint.name in names])
+            links = tuple([("link", {"name": link.name}) for link in robot.links if link.name in names])
+            others.append((each, Group(own, joints, links)))
         self.end_effectors = [*self._ends([group for _, group in arms], [*others, *arms])]
         tools = {each["group"] for each in self.end_effectors}
         self.groups = [group for _, group in arms]
@@ -161,15 +166,6 @@ class Semantics:
 def _root(part: Arm | Attachment) -> str:
     """The root of a part in the whole robot."""
     return part.prefix + (part.kind if isinstance(part, Arm) else part.robot).root
-
-
-def _links_of(robot: Robot, attachment: Attachment, name: str) -> Group:
-    """The group of an attachment."""
-    driven = {attachment.prefix + joint.name for joint in attachment.robot.actuated_joints}
-    joints = tuple([joint for joint in robot.joints if joint.name in driven])
-    return Group(
-        name, joints, tuple([("link", {"name": attachment.prefix + link.name}) for link in attachment.robot.links])
-    )
 
 
 def semantics(robot: Robot, pairs: CollisionPairs, group_name: str) -> etree._Element:

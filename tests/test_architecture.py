@@ -363,7 +363,7 @@ BUDGETS = {
     "pipeline/dh2urdf/kinematics": 3020,
     "pipeline/dh2urdf/measuring": 310,
     "pipeline/dh2urdf/meshes": 980,
-    "pipeline/dh2urdf/output": 1500,
+    "pipeline/dh2urdf/output": 1510,
     "pipeline/dh2urdf/plugin_system": 1910,
     "pipeline/dh2urdf/quantities": 1320,
     "pipeline/dh2urdf/report": 2060,

@@ -120,7 +120,7 @@ class LocalStore:
         path = self._path(name)
         if self.is_protected(name):
             raise OutputError(say("input-overwritten", found=name, path=self.directory / name, other=""))
-        with reporting_os_errors(self.directory / name):
+        try:
             try:
                 create(path)
             except NOT_THERE:  # It is the first file of its folder, or somebody has removed the folder.
@@ -129,6 +129,8 @@ class LocalStore:
                     for each in (_TEMPORARY, folder):
                         os.makedirs(f"{self._root}/{each}", exist_ok=True)  # noqa: PTH103
                 create(path)
+        except (OSError, ValueError) as error:
+            raise refused(self.directory / name, error) from error
 
     def read(self, name: str) -> bytes:
         """Return the content of a file."""

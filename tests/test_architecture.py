@@ -353,8 +353,8 @@ def test_modules_say_what_they_are() -> None:
 
 
 BUDGETS = {
-    "pipeline/dh2urdf": 4300,
-    "pipeline/dh2urdf/cells": 1150,
+    "pipeline/dh2urdf": 4310,
+    "pipeline/dh2urdf/cells": 1180,
     "pipeline/dh2urdf/cli": 1760,
     "pipeline/dh2urdf/commands": 1450,
     "pipeline/dh2urdf/conversion": 1520,
@@ -362,7 +362,7 @@ BUDGETS = {
     "pipeline/dh2urdf/isolation": 1390,
     "pipeline/dh2urdf/kinematics": 3020,
     "pipeline/dh2urdf/measuring": 310,
-    "pipeline/dh2urdf/meshes": 980,
+    "pipeline/dh2urdf/meshes": 1180,
     "pipeline/dh2urdf/output": 1510,
     "pipeline/dh2urdf/plugin_system": 1910,
     "pipeline/dh2urdf/quantities": 1320,
@@ -384,7 +384,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/edits": 860,
     "plugins/dh2urdf_plugins/executors": 480,
     "plugins/dh2urdf_plugins/extraction": 1000,
-    "plugins/dh2urdf_plugins/formats": 4380,
+    "plugins/dh2urdf_plugins/formats": 4390,
     "plugins/dh2urdf_plugins/loaders": 2650,
     "plugins/dh2urdf_plugins/packages": 2250,
     "plugins/dh2urdf_plugins/readers": 6990,

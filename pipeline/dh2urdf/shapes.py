@@ -46,11 +46,16 @@ class MeshFile(ExactRecord):
         path: its absolute path.
         sha256: the hash of what is in it, in hexadecimal digits: what is made of it depends on that.
         content: what is in it, where it is made by the pipeline and not on disk; its path then names it alone.
+        named: pictures and files of materials that it names and that are copied with it. The hash is that of its copy
+            then, which has the names of their copies.
+        name: what a mesh calls it that names it.
     """
 
     path: str
     sha256: str
     content: bytes | None = field(default=None, compare=False, repr=False)
+    named: tuple[MeshFile, ...] = field(default=(), compare=False, repr=False)
+    name: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,10 +178,19 @@ Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material(Record):
-    """A colour with a name; red, green, blue, alpha in 0..1."""
+    """A colour with a name.
+
+    Attributes:
+        name: its name.
+        rgba: red, green, blue, alpha in 0..1.
+        texture: the address of a picture that is on it; empty without.
+        picture: the file of this picture, where it is at hand.
+    """
 
     name: str
     rgba: tuple[float, float, float, float]
+    texture: str = ""
+    picture: MeshFile | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -127,7 +127,7 @@ REFUSED: dict[Any, dict[str, list[str]]] = {
     },
     parse_mjcf: {
         "coordinates-not-local": [MJCF_BODY.format("").replace("<w", '<compiler coordinate="global"/><w', 1)],
-        "joint-type-foreign": [MJCF_BODY.format('<joint type="ball"/>'), MJCF_BODY.format('<freejoint name="f"/>')],
+        "joint-type-foreign": [MJCF_BODY.format('<joint type="ball"/>'), MJCF_BODY.format("<body><freejoint/></body>")],
         "axis-of-length-0": [MJCF_BODY.format('<joint axis="1e-9 0 0"/>')],
         "numbers-wrong": [MJCF_BODY.format('<joint axis="0 1_0 0"/>')],
         "not-read": [

@@ -21,15 +21,18 @@ from dh2urdf.errors import ConfigError, InputError, RobotError, TableError
 from dh2urdf.fields import replace_unchecked
 from dh2urdf.kinematics.mass import GRAVITY, SAFETY, inertia_problem, repaired, two_digits
 from dh2urdf.manipulator import TOOL, WORLD, JointType
-from dh2urdf.meshes.addresses import mesh_finder, packages_in, with_its_own
+from dh2urdf.meshes.addresses import NamedFiles, file_address, mesh_finder, packages_in, with_its_own
 from dh2urdf.meshes.files import find_mesh
+from dh2urdf.meshes.named_files import picture_of, with_named_files
 from dh2urdf.robot import WEIGHTLESS, Attachment, Joint, Link, Mesh, Origin, Robot
 from dh2urdf.rotations import mapped, norm, scale
 from dh2urdf.source import Mark, Messages, Problem, did_you_mean, free_name, listed
+from dh2urdf.stages import PACKAGE_FILE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
+    from dh2urdf.manipulator import MeshFile
     from dh2urdf.robot import Collision, Visual
     from dh2urdf.rotations import RigidTransform
     from dh2urdf.stages import ForeignRobot
@@ -40,8 +43,8 @@ __all__ = ["AttachmentCall", "attached", "attachment_of"]
 
 say = Messages(__file__)
 
-NAMING = {".dae": b"<init_from", ".obj": b"mtllib", ".gltf": b'"uri"'}
-"""How mesh files name pictures and materials that are files of their own."""
+LARGEST_PICTURE = 2**26
+"""Size of a picture or a file of materials that is copied with a mesh [B]."""
 MOST_ELEMENTS = 10_000
 """Links, joints and other elements that an attachment may have."""
 PACKAGE_VARIABLES = {"ROS_PACKAGE_PATH": "", "AMENT_PREFIX_PATH": "share"}
@@ -273,6 +276,7 @@ def _with_files(robot: Robot, found: ForeignRobot, path: Path, call: AttachmentC
     packages = {**_environment_packages(), **call.packages}
     find = mesh_finder(found.folder or path.resolve().parent, with_its_own(path, packages))
     problems: dict[str, Problem] = {}
+    known: dict[Path, MeshFile] = {}
 
     def at_hand(shape: S) -> S:
         mesh = shape.geometry
@@ -285,17 +289,34 @@ def _with_files(robot: Robot, found: ForeignRobot, path: Path, call: AttachmentC
             problems.setdefault(mesh.filename, say(code, mark, found=mesh.filename, folders=folders))
             return shape
         try:
-            file = file.absolute()
-            if (word := NAMING.get(file.suffix.lower())) and word in file.read_bytes():
-                problems.setdefault(mesh.filename, say("attached-mesh-names-files", mark, found=mesh.filename))
-            return replace(shape, geometry=replace(mesh, file=find_mesh(file.name, file.parent, links=call.mesh_links)))
+            if (at := file.absolute()) not in known:
+                files = NamedFiles(at, LARGEST_PICTURE, packages.values(), links=call.mesh_links)
+                known[at] = with_named_files(find_mesh(at.name, at.parent, links=call.mesh_links), files)
+                for name, reason in files.unread.items():
+                    about = {"found": mesh.filename, "name": name, "reason": reason}
+                    problems[f"{at} {name}"] = say("attached-mesh-names-files", mark, **about)
+            return replace(shape, geometry=replace(mesh, filename=file_address(str(at)), file=known[at]))
         except ConfigError as error:
             problems.setdefault(mesh.filename, error.problems[0].about(mark=mark))
             return shape
 
+    def picture(address: str) -> MeshFile | None:
+        """The picture of an address, from the package of the description or from another one that is named."""
+        file = find(address)
+        homes = [folder / PACKAGE_FILE for folder in packages.values() if file and file.is_relative_to(folder)]
+        files = NamedFiles([*homes, path][0], LARGEST_PICTURE, links=call.mesh_links)
+        found = picture_of(str(file), files) if file else None
+        if found is None:
+            (reason,) = files.unread.values() or ["there is no such file"]
+            about = {"found": address, "reason": reason}
+            problems[address] = say("attached-texture-left-out", Mark(file=str(path)), **about)
+        return found
+
     links = [
         replace_unchecked(
-            link, visuals=tuple(map(at_hand, link.visuals)), collisions=tuple(map(at_hand, link.collisions))
+            link,
+            visuals=tuple([_with_picture(at_hand(shape), picture) for shape in link.visuals]),
+            collisions=tuple(map(at_hand, link.collisions)),
         )
         for link in robot.links
     ]
@@ -303,6 +324,15 @@ def _with_files(robot: Robot, found: ForeignRobot, path: Path, call: AttachmentC
         raise RobotError(errors)
     notices += problems.values()
     return replace(robot, links=tuple(links))
+
+
+def _with_picture(visual: Visual, picture: Callable[[str], MeshFile | None]) -> Visual:
+    """A visual whose material has a picture, or none, where its file gives the address of one."""
+    if visual.material is None or not visual.material.texture:
+        return visual
+    found = picture(visual.material.texture)
+    texture = file_address(found.path) if found else ""
+    return replace(visual, material=replace(visual.material, texture=texture, picture=found))
 
 
 def _environment_packages() -> dict[str, Path]:

@@ -164,9 +164,9 @@ def carry_out(  # noqa: PLR0917 - what `plan_conversion` has found out
         raise TableError(error.problems, manipulator.notices) from error
     notices = made.notices
     if recipe.mesh_conversion is not MeshConversion.NEVER:
-        from dh2urdf.meshes.conversion import unsettled
+        from dh2urdf.meshes.conversion import lost_pictures, unsettled
 
-        notices = unsettled(notices)
+        notices = (*unsettled(notices), *lost_pictures(made))
     made = replace(made, notices=(*notices, *asked))
     note((*manipulator.notices, *made.notices))
     used = [path for call in recipe.calls for path in call.files]

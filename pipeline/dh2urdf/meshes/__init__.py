@@ -22,6 +22,8 @@ if TYPE_CHECKING:
         find_mesh as find_mesh,
         has_meshes as has_meshes,
         read_mesh as read_mesh,
+        with_addresses as with_addresses,
+        with_its_files as with_its_files,
         with_shapes as with_shapes,
     )
     from dh2urdf.meshes.triangles import (
@@ -38,7 +40,7 @@ else:
         __name__,
         {
             "addresses": "FILE PACKAGE file_address mesh_finder own_folder packages_in path_of_address with_its_own",
-            "files": "REMEDY copy_name find_mesh has_meshes read_mesh with_shapes",
+            "files": "REMEDY copy_name find_mesh has_meshes read_mesh with_addresses with_its_files with_shapes",
             "triangles": "Asset FORMATS asset_of enclosed load_scene read_parts to_metres",
         },
     )

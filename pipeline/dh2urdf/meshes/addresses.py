@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 from contextlib import suppress
 from pathlib import Path
@@ -123,15 +124,30 @@ SUFFIXES = (".bin", ".bmp", ".gif", ".jpeg", ".jpg", ".mtl", ".png", ".tga", ".t
 class NamedFiles:
     """What trimesh asks for the files that a mesh file names: a resolver, as `trimesh.load_scene` takes it.
 
-    A file is read if it is not too large [B], and in the folder of the mesh or below it, or anywhere in the ROS package
-    of the mesh. Links are followed before that is decided. `unread` has the names of others, each with the reason.
+    A file is read if it is not too large [B], and in the folder of the mesh or below it, or anywhere in a ROS package
+    that the mesh is in: its own, or one of some `packages`. Unless `links` may lead out of these folders, they are
+    followed before that is decided. `unread` has the names of others, each with the reason.
     """
 
-    def __init__(self, mesh: Path, largest: int) -> None:
-        self._folder = mesh.resolve().parent
-        self._root = own_folder(mesh)
+    def __init__(self, mesh: Path, largest: int, packages: Iterable[Path] = (), *, links: bool = False) -> None:
+        self._links = links
+        self._folder = self._place(mesh).parent
+        own = next((above for above in (self._folder, *self._folder.parents) if is_file(above / PACKAGE_FILE)), None)
+        roots = [own or self._folder, *map(self._place, packages)]
+        self._roots = [root for root in roots if self._folder.is_relative_to(root)]
         self._largest = largest
         self.unread: dict[str, str] = {}
+
+    def _place(self, path: Path) -> Path:
+        return Path(os.path.abspath(path)) if self._links else path.resolve()  # noqa: PTH100 - links stay
+
+    def place_of(self, name: str) -> Path | None:
+        """Where a file is that may be read; None, with a word in `unread`, where it may not."""
+        try:
+            return self._path(name)
+        except (OSError, ValueError) as error:
+            self.unread[name] = (error.strerror if isinstance(error, OSError) else "") or str(error)
+            return None
 
     def get(self, name: str) -> bytes:
         """The bytes of a file."""
@@ -144,12 +160,12 @@ class NamedFiles:
 
     __getitem__ = get
 
-    def _read(self, name: str) -> bytes:
+    def _path(self, name: str) -> Path:
         address = unquote(name).replace("\\", "/").removeprefix(FILE)
         if "://" in address:
             raise ValueError("it is an address, and no file")
-        path = (self._folder / address).resolve()
-        if not path.is_relative_to(self._root):
+        path = self._place(self._folder / address)
+        if not any(map(path.is_relative_to, self._roots)):
             raise ValueError("it is outside of the folder of the mesh, and of its package")
         if path.suffix.lower() not in SUFFIXES:
             raise ValueError(f"files with the suffix {shown(path.suffix)} are not read")
@@ -157,6 +173,10 @@ class NamedFiles:
             raise ValueError("there is no such file")
         if path.stat().st_size > self._largest:
             raise ValueError(f"it is larger than {self._largest // 2**20} MB")
+        return path
+
+    def _read(self, name: str) -> bytes:
+        path = self._path(name)
         content = path.read_bytes()
         if path.suffix.lower() not in (".bin", ".mtl"):
             # trimesh leaves out what Pillow cannot open, without a word.

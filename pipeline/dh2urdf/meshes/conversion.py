@@ -53,6 +53,12 @@ def unsettled(notices: Iterable[Problem]) -> tuple[Problem, ...]:
     return tuple(notice for notice in notices if not (notice.suggestion or "").endswith(REMEDY))
 
 
+def lost_pictures(robot: Robot) -> tuple[Problem, ...]:
+    """Notices of the pictures that a conversion leaves out."""
+    pictured = [file for file in mesh_files(robot) if file.named and not file.name]
+    return tuple([say("mesh-pictures-lost", robot=robot.name, name=Path(file.path).name) for file in pictured])
+
+
 def converted(robot: Robot, how: MeshConversion) -> Robot:
     """A robot, and the kinds of its arms, whose meshes are converted.
 
@@ -61,9 +67,10 @@ def converted(robot: Robot, how: MeshConversion) -> Robot:
     """
     if not mesh_files(robot):
         return robot
+    lost = lost_pictures(robot)
     robot = with_shapes(robot, _visuals, partial(_collisions, how=how))
     arms = tuple([replace(arm, kind=replace(arm.kind, notices=unsettled(arm.kind.notices))) for arm in robot.arms])
-    return replace(robot, notices=unsettled(robot.notices), arms=arms)
+    return replace(robot, notices=(*unsettled(robot.notices), *lost), arms=arms)
 
 
 def _visuals(_link: str, shape: Visual) -> Iterator[Visual]:

@@ -17,13 +17,13 @@ from dh2urdf.documents.text_files import check_file
 from dh2urdf.errors import ConfigError, EmitterError, OutputError
 from dh2urdf.manipulator import MeshFile
 from dh2urdf.output.whole_files import safe_stem
-from dh2urdf.robot import Mesh
+from dh2urdf.robot import Mesh, Visual
 from dh2urdf.source import Messages, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from dh2urdf.robot import Collision, Robot, Visual
+    from dh2urdf.robot import Collision, Robot
 
     S = TypeVar("S", Visual, Collision)
 
@@ -101,6 +101,11 @@ def read_mesh(file: MeshFile) -> bytes:
         content = Path(file.path).read_bytes()
     except OSError as error:
         raise OutputError(say("mesh-unreadable", mesh=file.path, reason=error.strerror)) from error
+    if file.named or file.path.lower().endswith(".mtl"):
+        from dh2urdf.meshes.textures import with_names
+
+        names = {each.name: copy_name(each) for each in file.named}
+        content = with_names(content, Path(file.path).suffix.lower(), names)
     if sha256(content).hexdigest() != file.sha256:
         raise OutputError(say("mesh-changed", mesh=file.path))
     return content
@@ -126,12 +131,19 @@ def located(robot: Robot, prefix: str | None) -> Robot:
         return robot
 
     def named(_link: str, shape: S) -> list[S]:
-        mesh = shape.geometry
-        if not isinstance(mesh, Mesh) or mesh.file is None:
-            return [shape]
-        return [replace(shape, geometry=replace(mesh, filename=f"{prefix}{copy_name(mesh.file)}"))]
+        return [with_addresses(shape, lambda file: f"{prefix}{copy_name(file)}")]
 
     return with_shapes(robot, named, named)
+
+
+def with_addresses(shape: S, address_of: Callable[[MeshFile], str]) -> S:
+    """A shape whose mesh, and the picture on whose material, have other addresses, where their files are at hand."""
+    mesh = shape.geometry
+    if isinstance(mesh, Mesh) and mesh.file is not None:
+        shape = replace(shape, geometry=replace(mesh, filename=address_of(mesh.file)))
+    if isinstance(shape, Visual) and (material := shape.material) and material.picture:
+        return replace(shape, material=replace(material, texture=address_of(material.picture)))
+    return shape
 
 
 def with_shapes(
@@ -158,8 +170,17 @@ def with_shapes(
 
 
 def mesh_files(robot: Robot) -> tuple[MeshFile, ...]:
-    """The mesh files of a robot that are at hand, each once, in the order of its links."""
-    return tuple(dict.fromkeys(mesh.file for mesh in _meshes(robot) if mesh.file))
+    """The mesh files of a robot that are at hand and the files that they name, each once, in the order of its links."""
+    files = [mesh.file for mesh in _meshes(robot)]
+    files += [each.material.picture for link in robot.links for each in link.visuals if each.material]
+    return tuple(dict.fromkeys(each for file in files if file for each in with_its_files(file)))
+
+
+def with_its_files(file: MeshFile) -> Iterator[MeshFile]:
+    """A mesh file, and the files that it names and those that they name, which are copied into the same folder."""
+    yield file
+    for named in file.named:
+        yield from with_its_files(named)
 
 
 def has_meshes(robot: Robot) -> bool:

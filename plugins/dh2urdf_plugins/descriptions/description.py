@@ -189,7 +189,7 @@ def _read_urdf(root: etree._Element, file: str, found: Description, *, colours: 
     root.set("name", root.get("name", ""))
     inner = _left_out("urdf", root, file)
     found.left_out += [*_left_out("urdf-elements", root, file), *inner]
-    found.lost = [*inner, *_left_out("urdf-textures", root, file)]
+    found.lost = inner
     others = [each for each in root.iterchildren(etree.Element) if each.tag not in {"link", "joint", "material"}]
     found.elements = tuple([etree.tostring(each, encoding="unicode", with_tail=False) for each in others])
     for joint in root.iterchildren("joint"):

@@ -51,6 +51,9 @@ def notices_of_elements(robot: Robot, _options: object) -> list[Problem]:
     """A notice for each tag of the elements of attachments that are for other programs, which URDF alone keeps."""
     found = [re.match(r"<([^\s/>]+)", text) for each in robot.attachments for text in each.elements]
     counts = Counter(match[1] for match in found if match)
+    materials = [each.material for link in robot.links for each in link.visuals if each.material]
+    if textured := {each.name for each in materials if each.texture}:
+        counts["texture"] = len(textured)
     return [say("elements-in-urdf-only", tag=tag, count=count) for tag, count in counts.items()]
 
 

@@ -105,15 +105,14 @@ class _UrdfReader(FileElements):
         return new_inertial(mass=mass, com=origin.xyz, inertia=inertia)
 
     def _material(self, element: etree._Element | None) -> Material | None:
-        """A material that is defined here or was defined above; None where there is none, or a texture only."""
+        """A material that is defined here or was defined above, white where it has a texture only; None without."""
         if element is None:
             return None
-        name, color = element.get("name", ""), element.find("color")
-        if color is not None:
-            r, g, b, a = self._numbers(color, "rgba", 4)
-            self._materials[name] = Material(name=name, rgba=(r, g, b, a))
-        elif element.find("texture") is not None:
-            self._materials[name] = None
+        name, color, texture = element.get("name", ""), element.find("color"), element.find("texture")
+        if color is not None or texture is not None:
+            r, g, b, a = (1.0, 1.0, 1.0, 1.0) if color is None else self._numbers(color, "rgba", 4)
+            address = "" if texture is None else texture.get("filename", "")
+            self._materials[name] = Material(name=name, rgba=(r, g, b, a), texture=address)
         elif name not in self._materials:
             raise self.error(element, "material-undefined", name=name)
         return self._materials[name]

@@ -251,6 +251,8 @@ def _comment(text: str) -> etree._Comment:
 def _append_material(parent: etree._Element, material: Material, notation: Notation) -> None:
     element = etree.SubElement(parent, "material", {"name": notation.name(material.name)})
     etree.SubElement(element, "color", {"rgba": notation.numbers(material.rgba)})
+    if material.texture:
+        etree.SubElement(element, "texture", {"filename": notation.text(material.texture)})
 
 
 def _append_joint(parent: etree._Element, joint: Joint, notation: Notation, *, is_foreign: bool) -> None:

@@ -16,8 +16,8 @@ from lxml import etree
 from dh2urdf.cells.floating import without_world
 from dh2urdf.errors import EmitterError
 from dh2urdf.manipulator import WORLD, JointType
-from dh2urdf.meshes import copy_name, read_mesh, with_shapes
-from dh2urdf.robot import Joint, Link, Mesh, Origin
+from dh2urdf.meshes import copy_name, read_mesh, with_addresses, with_its_files, with_shapes
+from dh2urdf.robot import Joint, Link, Origin
 from dh2urdf.rotations import IDENTITY
 from dh2urdf.source import Messages, Problem, listed, markdown_text
 from dh2urdf.stages import EmittedFile
@@ -33,6 +33,7 @@ from dh2urdf_plugins.ros_conventions import VERSION
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from dh2urdf.manipulator import MeshFile
     from dh2urdf.robot import Collision, Robot, Visual
     from dh2urdf_plugins.packages.ros2 import Ros2Options
 
@@ -198,12 +199,13 @@ def _with_meshes(robot: Robot, package: str, copies: dict[str, bytes]) -> Robot:
     folders = {each.prefix + link: files.plain_name(each.robot.name) for each in every for link in each.names}
 
     def copied(folder: str, link: str, shape: S) -> list[S]:
-        mesh = shape.geometry
-        if not isinstance(mesh, Mesh) or mesh.file is None:
-            return [shape]
-        path = f"meshes/{folders.get(link, folder)}/{copy_name(mesh.file)}"
-        copies[path] = read_mesh(mesh.file)
-        return [replace(shape, geometry=replace(mesh, filename=f"package://{package}/{path}"))]
+        folder = f"meshes/{folders.get(link, folder)}"
+
+        def address_of(file: MeshFile) -> str:
+            copies.update((f"{folder}/{copy_name(each)}", read_mesh(each)) for each in with_its_files(file))
+            return f"package://{package}/{folder}/{copy_name(file)}"
+
+        return [with_addresses(shape, address_of)]
 
     return with_shapes(robot, partial(copied, "visual"), partial(copied, "collision"))
 

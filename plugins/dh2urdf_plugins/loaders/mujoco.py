@@ -134,6 +134,13 @@ class Held(measures.Model):
                 return model.joint(second).name, factor, offset
         return None
 
+    def bars(self) -> dict[str, int]:
+        """The hinges of bars by which joints follow, by the names of these joints, which their constraints have."""
+        model, site = self.model, int(self.mujoco.mjtObj.mjOBJ_SITE)
+        named = [(model.equality(at).name, at) for at in range(model.neq) if int(model.eq_objtype[at]) == site]
+        bodies = [(name, int(model.site_bodyid[model.eq_obj1id[at]])) for name, at in named if name in self.joints]
+        return {name: int(model.body_jntadr[body]) for name, body in bodies}
+
     def held_shapes(self) -> Iterator[tuple[str, str, measures.Lengths]]:
         """The lengths of the shapes of each body; one that touches nothing is for the eye."""
         model, types = self.model, self.mujoco.mjtGeom
@@ -204,7 +211,8 @@ def _report(held: Held, comparison: measures.Comparison) -> LoadReport:
     """Measure everything but the picture."""
     model = held.model
     free = {at: model.body(int(model.jnt_bodyid[at])).name for at in range(model.njnt) if held.floats(at)}
-    joints = [held.held_joint(number) for number in range(model.njnt) if number not in free]
+    own = set(range(model.njnt)) - free.keys() - {*held.bars().values()}
+    joints = [held.held_joint(number) for number in sorted(own)]
     # It holds the root of a URDF.
     others = [] if comparison.robot.root in comparison.robot.floating else comparison.floats(free.values())
     report = comparison.loaded(version("mujoco"), joints, held.held_bodies(), others=others)
@@ -236,6 +244,8 @@ def _hold(held: Held, comparison: measures.Comparison) -> dict[str, Any]:
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     data, places = mujoco.MjData(model), _addresses(model, comparison.robot.moving_joints)
     data.qpos[places] = start
+    for name, bar in held.bars().items():
+        data.qpos[int(model.jnt_qposadr[bar])] = data.joint(comparison.robot.followers[name].leader).qpos[0]
     data.ctrl[:] = data.qpos[[int(model.jnt_qposadr[joint]) for joint in model.actuator_trnid[:, 0]]]
     mujoco.mj_forward(model, data)
     names, body = {number: name for name, number in held.bodies.items()}, model.geom_bodyid
@@ -403,9 +413,11 @@ def inspect(question: Question) -> HeldRobot:
     names = [name for number in range(1, model.nbody) if (name := model.body(number).name)]
     bodies = held.held_bodies()
     moving = [number for number in range(model.njnt) if int(model.jnt_type[number]) != free]
+    joints = [{**held.held_joint(number), "mimic": held.held_mimic(number)} for number in moving]
+    barred = held.bars().keys()  # How these follow is in no number of the model.
     return HeldRobot(
         links=measures.told_bodies({name: bodies[name] for name in names}),
-        joints=[{**held.held_joint(number), "mimic": held.held_mimic(number)} for number in moving],
+        joints=[{k: v for k, v in one.items() if k != "mimic" or one["name"] not in barred} for one in joints],
         frames=held.told_frames(names, question.postures),
         shapes=measures.told_shapes(held.held_shapes()),
         root_is_loose=bool((model.jnt_type == free).any()),

@@ -1,16 +1,25 @@
 """A palletiser: two parallelograms as rows that follow, in every format, for every program that can ask them."""
 
 import json
+import math
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from command_line import Cli
+from lxml import etree
 from pinocchio_frames import pinocchio_frames
 
 import dh2urdf
+from dh2urdf.errors import ProofError
+from dh2urdf.manipulator import Follower, Limits
+from dh2urdf.stages import Question
+from dh2urdf_plugins.formats.mjcf.reader import parse_mjcf, read_mjcf
+from dh2urdf_plugins.loaders.mujoco import inspect
 
 TABLE = Path(__file__).parents[3] / "configs" / "palletiser" / "irb460.yaml"
 FILES = ("arm.urdf", "arm.sdf", "arm.xml", "arm.urdf.xacro")
@@ -139,6 +148,112 @@ def test_mujoco_keeps_the_flange_level_while_it_moves(folder: Path) -> None:
     assert elbow == pytest.approx(-q[1], abs=5e-3)
     assert wrist == pytest.approx(-q[2], abs=5e-3)
     assert data.body("link_6").xmat[8] == pytest.approx(1.0, abs=1e-4)  # its z is up where all values are 0
+
+
+@pytest.fixture(scope="module")
+def barred(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The arm as MJCF with two bars."""
+    path = tmp_path_factory.mktemp("bars") / "arm.xml"
+    dh2urdf.convert(TABLE, out=path, followers="connect")
+    return path
+
+
+@pytest.mark.parametrize("target", [(0, 0, 0, 0), (0.4, 0.3, 0.2, -0.5), (1, 1.4, 2, 0), (0, -0.65, -0.3, 0)])
+def test_bars_make_elbow_and_wrist_follow(barred: Path, target: tuple[float, ...]) -> None:
+    """To 1e-5 rad at rest, also near both ends of the limits, and to 2e-3 rad on the way."""
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_path(str(barred))
+    assert [int(each) for each in model.eq_type] == [int(mujoco.mjtEq.mjEQ_CONNECT)] * 2
+    data, off = mujoco.MjData(model), []
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.ctrl[:] = target
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+        q = {model.joint(number).name: float(data.qpos[number]) for number in range(model.njnt)}
+        off.append(max(abs(q["elbow"] + q["joint_2"]), abs(q["wrist"] + q["joint_3"])))
+    assert [q["joint_2"], q["joint_3"]] == pytest.approx(target[1:3], abs=1e-3)
+    assert max(off) < 2e-3
+    assert off[-1] < 1e-5
+    assert q["elbow_bar"] == pytest.approx(q["joint_2"], abs=1e-5)
+
+
+def test_bars_are_read_back_as_the_laws(barred: Path, folder: Path) -> None:
+    """Their masses are all that the file has more; no parallelogram is refused, and another law is another one."""
+    content, (mine, other) = barred.read_bytes(), (read_mjcf(each) for each in (folder / "arm.xml", barred))
+    assert (other.links, other.joints) == (mine.links, mine.joints)
+    assert dh2urdf.extract(barred, convention="modified").fk([0.1, 0.2, 0.3, 0.4]) == pytest.approx(
+        by_hand((0.1, 0.2, 0.3, 0.4)), abs=1e-9
+    )
+    mujoco = pytest.importorskip("mujoco")
+    masses = [mujoco.MjModel.from_xml_path(str(each)).body_mass.sum() for each in (barred, folder / "arm.xml")]
+    assert masses[0] - masses[1] == pytest.approx(2e-6, rel=1e-6)
+    for old in (b'<site name="wrist_bar" pos="1.02', b'<body name="wrist_bar" pos="-0.1'):
+        assert content.count(old) == 1
+        with pytest.raises(ProofError) as caught:
+            parse_mjcf(content.replace(old, old + b"8"), "arm.xml")
+        assert caught.value.problems[0].code == "bar-without-parallelogram"
+    text = content.decode()
+    (end,) = re.findall('name="wrist_bar_end" pos="([^"]+)"', text)
+    x, y, z = map(float, end.split())
+    turned = " ".join(map(repr, (x * math.cos(0.1) + z * math.sin(0.1), y, z * math.cos(0.1) - x * math.sin(0.1))))
+    other_text = text.replace(f'name="wrist_bar_end" pos="{end}"', f'name="wrist_bar_end" pos="{turned}"')
+    law = parse_mjcf(other_text.encode(), "arm.xml").followers["wrist"]
+    assert law == ("joint_3", -1.0, pytest.approx(-0.1, abs=1e-12), ())
+
+
+@pytest.mark.parametrize("loader", ["mujoco"])
+def test_a_loader_knows_the_bars(loader: str, cli: Cli, tmp_path: Path, require_loaders: Callable[..., None]) -> None:
+    """It finds no joint that was not written, holds the weight by them, and `check` reports no joint as free."""
+    require_loaders(loader)
+    pytest.importorskip("mujoco")
+    run = tmp_path / "run.yaml"
+    emitter = {"stage": "mjcf", "options": {"followers": "connect"}}
+    run.write_text(json.dumps({"inputs": str(TABLE), "emitters": [emitter], "loaders": [loader]}), "utf-8")
+    cli("run", run, "-o", tmp_path / "out")
+    (entry,) = json.loads((tmp_path / "out" / "report.json").read_bytes())["manipulators"]
+    found = entry["loaders"][loader]
+    assert (found["hold"]["stayed"], found["findings"], found["mass_error"]) == (True, [], 0.0)
+    held = inspect(Question(path=tmp_path / "out" / "irb460.xml", format="mjcf", packages={}, postures=()))
+    assert {joint["name"] for joint in held.joints if "mimic" not in joint} == {"elbow", "wrist"}
+
+
+@pytest.mark.parametrize(("sign", "multiplier"), [(1, -1.0), (-1, 1.0)])
+@pytest.mark.parametrize("offset", [0.0, 0.4])
+@pytest.mark.parametrize("frames", ["aligned", "dh"])
+def test_a_bar_is_where_mujoco_wants_it(
+    tmp_path: Path, sign: int, multiplier: float, offset: float, frames: str
+) -> None:
+    """With axes beside each other along their direction, one against the other, and a law with an offset."""
+    mujoco = pytest.importorskip("mujoco")
+    rows = [
+        dh2urdf.DHRow(joint="turn", link="l1", a=0.1, alpha=0.7, d=0.3, theta=0.2),
+        dh2urdf.DHRow(joint="lift", link="l2", a=0.5, alpha=0.0, d=0.1, limits=Limits(lower=-0.5, upper=0.9)),
+        dh2urdf.DHRow(joint="bolt", link="l3", type="fixed", a=0.2, alpha=0.0, d=0.05, theta=0.6),
+        dh2urdf.DHRow(joint="level", link="l4", a=0.2, alpha=0.3, d=0.1, sign=sign),
+    ]
+    rows[-1] = replace(rows[-1], follows=Follower("lift", multiplier, offset))
+    table = dh2urdf.Manipulator(name="arm", convention="standard", rows=tuple(rows))
+    path = tmp_path / "arm.xml"
+    dh2urdf.convert(table, out=path, followers="connect", frames=frames)
+    assert read_mjcf(path).followers["level"] == ("lift", multiplier, pytest.approx(offset, abs=1e-12), ())
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for lift in (-0.5, 0.2, 0.9):
+        values = {"turn": 0.3, "lift": lift, "level": multiplier * lift + offset, "level_bar": lift}
+        for name, value in values.items():
+            data.joint(name).qpos = value
+        mujoco.mj_forward(model, data)
+        assert data.ne == 3
+        assert np.abs(data.efc_pos[:3]).max() < 1e-12
+
+
+def test_another_law_keeps_the_equality(tmp_path: Path) -> None:
+    table = dh2urdf.read(TABLE)
+    half = [replace(row, follows=Follower("joint_2", -0.5)) if row.joint == "elbow" else row for row in table.rows]
+    with pytest.warns(dh2urdf.TableWarning, match="no bar holds the joint"):
+        dh2urdf.convert(replace(table, rows=tuple(half)), out=tmp_path / "arm.xml", followers="connect")
+    equalities = etree.parse(tmp_path / "arm.xml").find("equality")
+    assert [each.tag for each in equalities] == ["joint", "connect"]
 
 
 @pytest.mark.parametrize("mimic", [True, False])

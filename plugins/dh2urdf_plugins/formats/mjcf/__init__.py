@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from dh2urdf.stages import Emitter, GivesNotices, ReadsBack, ReadsForeign
-from dh2urdf_plugins.formats import checks, foreign_mjcf, notices_of_elements, read_mjcf
+from dh2urdf_plugins.formats import checks, foreign_mjcf, read_mjcf
 from dh2urdf_plugins.late import Late
 from dh2urdf_plugins.options import option
 
@@ -23,6 +23,11 @@ class MjcfOptions:
         "touching: also links that always touch, for which pinocchio is needed",
         "home",
     )
+    followers: Literal["equality", "connect"] = option(
+        "equality of joint values; connect: a joint that turns back what its leader turns is held by a bar instead, "
+        "which makes a parallelogram",
+        "equality",
+    )
 
 
 EMITTER = Emitter(
@@ -35,6 +40,6 @@ EMITTER = Emitter(
         ReadsBack(read_mjcf),
         ReadsForeign(foreign_mjcf),
         *checks("inspection:inspect_mjcf", "files:mjcfs"),
-        GivesNotices(notices_of_elements),
+        GivesNotices(Late(f"{__name__}.bars:mjcf_notices")),
     ),
 )

@@ -33,10 +33,13 @@ from dh2urdf.rotations import (
     ZERO,
     RigidTransform,
     Vec3,
+    cross,
+    dot,
     norm,
     rotate,
     rotation_from_quaternion,
     scale,
+    subtract,
     total,
     transpose,
 )
@@ -81,6 +84,8 @@ _SIZES = {"box": 3, "ellipsoid": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 """How many sizes a shape has."""
 _WATER = 1000.0
 """The density of a shape that has none [kg/m³]."""
+PARALLELOGRAM = 1e-9
+"""What the sides of a parallelogram may differ [m], and its axes [rad]."""
 _WITHOUT_MASS = ("plane", "hfield")
 """Shapes that have no mass."""
 
@@ -123,6 +128,17 @@ class _Geom(NamedTuple):
         return not self.attributes.get("contype") == self.attributes.get("conaffinity") == "0"
 
 
+class _Bar(NamedTuple):
+    """A bar by which a joint follows another one."""
+
+    constraint: etree._Element  # that holds its end
+    body: etree._Element
+    hinge: etree._Element
+    tip: etree._Element  # the site at its end
+    link: etree._Element  # of the joint that follows
+    end: etree._Element  # the site of the link where it ends
+
+
 class _Reader(Elements):
     """Reads one tree."""
 
@@ -152,9 +168,10 @@ class _Reader(Elements):
         names = dict.fromkeys(worlds, WORLD)
         links, joints = [self._link(worlds, WORLD)], []
         bodies = {body.get("name") for world in worlds for body in world.iter("body")}
-        taken = set(bodies)
+        taken, bars = set(bodies), self._bars(worlds)
+        of_bars = {each for bar in bars for part in (bar.body, bar.end) for each in part.iter("body", "site")}
         # Parents come before children; not by recursion, for an arm may have more links than Python's stack has places.
-        for element in (each for world in worlds for each in world.iter("body", "site")):
+        for element in (each for world in worlds for each in world.iter("body", "site") if each not in of_bars):
             name = element.get("name") or self._nameless(element, taken)
             above = next(above for above in element.iterancestors() if above.tag != "frame")
             if above not in names:
@@ -170,12 +187,14 @@ class _Reader(Elements):
                 joints.append(fixed(name, names[above], self.pose(element)))
         for name in sorted(_CHANGING_MASSES & self.compiler.keys()):
             self.not_read(root.findall("compiler")[-1], f"the option {name} of the compiler")
-        doubly = {names[body] for body in self._looped(worlds)}
+        doubly = {names[body] for body in self._looped(worlds, [bar.constraint for bar in bars])}
         followers = {
             joint.get("joint1", ""): self._follower(joint)
             for joint in root.iterfind("equality/joint")
             if self.is_active(joint)
         }
+        holding = {joint.child: joint for joint in joints}
+        followers |= {bar.constraint.get("name", ""): self._by_bar(bar, names, holding) for bar in bars}
         joints = [replace(each, follows=followers.get(each.name)) for each in joints] if followers else joints
         free = [each.child for each in joints if each.parent == WORLD and self.loose.get(each.name) == "floating"]
         name, floating = root.get("model") or "MuJoCo Model", tuple(free)
@@ -199,11 +218,60 @@ class _Reader(Elements):
             constant, multiplier, higher = factors[0], 0.0, []
         return Follower(leader, multiplier, own + constant, tuple(higher) if any(higher) else ())
 
-    def _looped(self, worlds: Sequence[etree._Element]) -> Iterator[etree._Element]:
+    def _bars(self, worlds: Sequence[etree._Element]) -> list[_Bar]:
+        """The bars by which joints follow: those of constraints that have the name of a joint, ``<joint>_bar``."""
+        named = [*filter(self.is_active, self.root.iterfind("equality/connect[@name]"))]
+        sites = {each.get("name"): each for world in worlds for each in world.iter("site")} if named else {}
+        found = []
+        for each in named:
+            tip, end = (sites.get(each.get(name)) for name in ("site1", "site2"))
+            body, link = (None if site is None else site.getparent() for site in (tip, end))
+            if tip is None or end is None or body is None or link is None or link.tag != "body":
+                continue
+            hinge, held = body.find("joint"), body.find("body")
+            if hinge is not None and held is None and body.get("name", "").rstrip("_") == f"{each.get('name')}_bar":
+                found.append(_Bar(each, body, hinge, tip, link, end))
+        return found
+
+    def _by_bar(self, bar: _Bar, names: dict[etree._Element, str], above: dict[str, Joint]) -> Follower:
+        """How a joint follows by a bar: the link of its leader turns with the bar, and its own link not at all.
+
+        With a unit vector u along the axis and p from the leader's axis to the joint's, the bar is p, and its hinge is
+        at a vector v from the leader's axis. Its end is at v from the joint's axis, where the joint has turned its link
+        by the angle from there to v, and back by the leader's value.
+        """
+        joint, holder = above[names[bar.link]], next(bar.body.iterancestors("body", "worldbody"))
+        pose, leader = joint.origin.transform, above.get(joint.parent)
+        while leader and leader.type is JointType.FIXED:
+            pose, leader = leader.origin.transform @ pose, above.get(leader.parent)
+        if leader is None or leader.parent != names[holder] or joint.name != bar.constraint.get("name"):
+            raise self.error(bar.constraint, "bar-without-parallelogram")
+        origin, start = leader.origin.transform, self.pose(bar.body)
+        pose = origin @ pose
+        u, own = rotate(origin.rotation, leader.axis), rotate(pose.rotation, joint.axis)
+        apart = subtract(pose.translation, origin.translation)
+        along = scale(dot(apart, u), u)
+        hinge = rotate(start.rotation, self.vector(bar.hinge, self.attributes(bar.hinge), "axis", Z_AXIS))
+        span = rotate(start.rotation, self.pose(bar.tip).translation)
+        v = subtract(subtract(start.translation, origin.translation), along)
+        reached = rotate(pose.rotation, self.pose(bar.end).translation)
+        sign = -1.0 if dot(u, own) < 0.0 else 1.0
+        angle = math.atan2(dot(u, cross(reached, v)), dot(reached, v) - dot(reached, u) * dot(v, u))
+        off = (
+            norm(cross(u, own)),
+            norm(cross(u, hinge)),
+            norm(subtract(span, subtract(apart, along))),
+            norm(subtract(rotate(axis_rotation(u, angle), reached), v)),
+        )
+        if not max(off) <= PARALLELOGRAM or JointType.PRISMATIC in {leader.type, joint.type}:
+            raise self.error(bar.constraint, "bar-without-parallelogram")
+        return Follower(leader.name, -sign, sign * round(angle, 12) + 0.0)
+
+    def _looped(self, worlds: Sequence[etree._Element], known: Sequence[etree._Element]) -> Iterator[etree._Element]:
         """The bodies with which constraints close loops: those of one tree, and not what a mouse drags (mocap)."""
         named = {(each.tag, each.get("name")): each for world in worlds for each in world.iter("body", "site")}
         for constraint in self.root.iterfind("equality/*"):
-            if constraint.tag == "joint" or not self.is_active(constraint):
+            if constraint.tag == "joint" or constraint in known or not self.is_active(constraint):
                 continue
             self.not_read(constraint, f"the constraint {constraint.tag}")
             if constraint.tag not in _HOLDING_BODIES:

@@ -15,8 +15,9 @@ from dh2urdf.columns import INERTIA
 from dh2urdf.manipulator import WORLD, JointType
 from dh2urdf.quantities import format_numbers
 from dh2urdf.robot import Box, Cylinder, Follower, Mesh, Sphere, Visual, with_followers
-from dh2urdf.rotations import ZERO, quaternion_from_rotation
+from dh2urdf.rotations import ZERO, norm, quaternion_from_rotation, scale
 from dh2urdf.stages import EmittedFile
+from dh2urdf_plugins.formats.mjcf.bars import MASS, STIFF, THICKNESS, bars
 from dh2urdf_plugins.formats.mjcf.home_contacts import touching_at_home
 from dh2urdf_plugins.formats.mjcf.servos import servos
 from dh2urdf_plugins.formats.urdf.writer import Notation, refused, serialise
@@ -43,17 +44,18 @@ def mjcf_files(robot: Robot, stem: str, options: MjcfOptions) -> tuple[EmittedFi
 
         found = robot_pairs(robot, PairOptions(trials=1)).disabled
         touching += [(pair.link1, pair.link2) for pair in found if pair.reason in {"Default", "Always"}]
-    content = serialise(_Model(robot, options.actuators, touching).tree(), robot.comment)
+    content = serialise(_Model(robot, options, touching).tree(), robot.comment)
     return (EmittedFile(name=f"{stem}.xml", content=content),)
 
 
 class _Model:
     """A robot on its way to MJCF, which nests bodies, and has sites for frames that hold nothing."""
 
-    def __init__(self, robot: Robot, actuators: str, touching: Iterable[tuple[str, str]]) -> None:
+    def __init__(self, robot: Robot, options: MjcfOptions, touching: Iterable[tuple[str, str]]) -> None:
         self._robot, self._notation = robot, Notation()
-        self._actuators, self._touching = actuators, touching
-        self._servos = servos(robot) if actuators == "position" else {}
+        self._actuators, self._touching = options.actuators, touching
+        self._servos = servos(robot) if options.actuators == "position" else {}
+        self._bars = bars(robot) if options.followers == "connect" else {}
         self._carried = set(_carried(robot, self._servos))
         self._joint_to = {joint.child: joint for joint in robot.joints}
         self._holders = {joint.parent for joint in robot.joints}
@@ -73,7 +75,7 @@ class _Model:
         for name, attributes in (("visual", seen), ("collision", {"group": "3", "mass": "0"})):
             etree.SubElement(etree.SubElement(default, "default", {"class": name}), "geom", attributes)
         world = etree.Element("worldbody")
-        self._append_bodies(world)
+        self._append_bars(self._append_bodies(world))
         assets = etree.SubElement(root, "asset") if self._meshes else root
         for mesh, name in self._meshes.items():
             file = self._notation.text(mesh.filename)
@@ -88,7 +90,8 @@ class _Model:
         self._append_home(root, world)
         return root
 
-    def _append_bodies(self, world: etree._Element) -> None:
+    def _append_bodies(self, world: etree._Element) -> dict[str, etree._Element]:
+        """Appends the links, and returns the bodies by their names."""
         bodies: dict[str, etree._Element] = {}
         depth: dict[str, int] = {}
         for link in self._robot.links:  # Parents before children.
@@ -124,6 +127,22 @@ class _Model:
             if moves and joint:
                 etree.SubElement(body, *self._joint(joint))
             self._append_shapes(body, link)
+        return bodies
+
+    def _append_bars(self, bodies: dict[str, etree._Element]) -> None:
+        """Appends the bars to the bodies that hold them, and to those of the followers the points where they end."""
+        numbers = self._notation.numbers
+        for bar in self._bars.values():
+            name = self._notation.name(bar.name)
+            body = etree.SubElement(bodies[bar.leader.parent], "body", {"name": name, "pos": numbers(bar.start)})
+            middle, tensor = numbers(scale(0.5, bar.span)), numbers([MASS * norm(bar.span) ** 2] * 3)
+            etree.SubElement(body, "inertial", {"pos": middle, "mass": numbers([MASS]), "diaginertia": tensor})
+            hinge = {"name": name, "type": "hinge", "axis": numbers(bar.axis), "armature": numbers([bar.armature])}
+            etree.SubElement(body, "joint", hinge)
+            size, ends = numbers([THICKNESS * norm(bar.span)]), numbers((*ZERO, *bar.span))
+            etree.SubElement(body, "geom", {"class": "visual", "type": "capsule", "size": size, "fromto": ends})
+            etree.SubElement(body, "site", {"name": name, "pos": numbers(bar.span)})
+            etree.SubElement(bodies[bar.link], "site", {"name": f"{name}_end", "pos": numbers(bar.end)})
 
     def _joint(self, joint: Joint) -> tuple[str, dict[str, str]]:
         if joint.type is JointType.FIXED:  # Its child floats.
@@ -204,6 +223,11 @@ class _Model:
         followers = self._robot.followers
         equality = etree.SubElement(root, "equality") if followers else root
         for name, law in followers.items():
+            if bar := self._bars.get(name):
+                own = self._notation.name(bar.name)
+                ends = {"name": self._notation.name(name), "site1": own, "site2": f"{own}_end"}
+                etree.SubElement(equality, "connect", {**ends, **STIFF})
+                continue
             numbers = (*law.factors, 0.0, 0.0, 0.0)[:5]
             joints = {"joint1": self._notation.name(name)}
             joints |= {"joint2": self._notation.name(law.leader)} if law.leader else {}
@@ -237,6 +261,7 @@ class _Model:
         """
         start = {joint.name: initial_position(joint) for joint in self._robot.actuated_joints}
         values = with_followers(start, self._robot.followers)
+        values |= {bar.name: values[bar.leader.name] for bar in self._bars.values()}
         home: dict[str, tuple[float, ...]] = {self._notation.name(name): (value,) for name, value in values.items()}
         for link in self._robot.floating:
             joint = self._joint_to[link]

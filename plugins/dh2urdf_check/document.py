@@ -1,120 +1,112 @@
-"""The elements of a robot description as its readers see them, with their places.
+"""A description as `check` reads it: its elements, and where each is in the files that it comes from.
 
-The readers' parsers (TinyXML, TinyXML-2) know no entities, no document types and no namespaces, and take comments with
-``--`` and odd letters. A file comes from a stranger: nothing is expanded and nothing is fetched.
+A file comes from a stranger: nothing is expanded but a xacro, behind the fence, and nothing is fetched.
 """
 
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.parsers import expat
 
 from lxml import etree
 
-from dh2urdf.documents import ACCEPTED_XML, ForbiddenXmlError, check_encoding
+from dh2urdf.documents import read_bytes
+from dh2urdf.errors import InputError
+from dh2urdf.source import Mark
+from dh2urdf_plugins.formats.mjcf.elements import include_files
+from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, tree_of
 
-DEEPEST = 1000
-"""Elements inside each other that are kept; what is deeper is passed over."""
-_ENCODING = re.compile(rb"<\?xml[^>]*encoding\s*=\s*[\"']([^\"']+)[\"']", re.IGNORECASE)
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from pathlib import Path
+
+    from dh2urdf.stages import Expansion
+    from dh2urdf_plugins.formats.mjcf.elements import Missing
+
 _COMMENT = re.compile(r"(?<=<!--).*?(?=-->)", re.DOTALL)
-_INSTRUCTION = re.compile(r"<\?.*?\?>", re.DOTALL)
-_DOCUMENT_TYPE = re.compile(r"<!DOCTYPE[^>\[]*(?:\[.*?\]\s*(?=>))?>", re.DOTALL)
-_NO_BREAK = re.compile(r"[^\n]")
-_NO_LETTER = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_NO_REFERENCE = re.compile(r"&(?!(?:quot|amp|apos|lt|gt|#x[0-9A-Fa-f]{1,6}|#[0-9]{1,7});)")
-_VALUE = re.compile(r"""(?<==)(?:"[^"<>]*"|'[^'<>]*')""")
-_TAB, _BREAK = "\ue009", "\ue00a"
-"""What stands for a tab and before a line break in a value: XML makes blanks of them, and readers do not."""
+_PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
+"""As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
+_OTHER_ENCODING = re.compile(rb"\A\s*<\?xml[^>]*encoding\s*=\s*[\"'](?!utf-?8)|\A(?:\xff\xfe|\xfe\xff)", re.IGNORECASE)
 
 
-class NotXmlError(Exception):
-    """A text that is no XML: the reason, and the line and column, from 1."""
+class Text(NamedTuple):
+    """A description: its text, its elements, and where they are written."""
 
-    def __init__(self, reason: str, line: int = 1, column: int = 1) -> None:
-        self.reason, self.at = reason, (line, column)
-        super().__init__(reason, line, column)
-
-
-class Parsed(NamedTuple):
-    """A text as a tree, in which `:` of a name, which names no namespace here, is a point."""
-
+    path: Path
+    content: bytes  # what readers get: of a xacro, what it expands to
     root: etree._Element
-    places: dict[etree._Element, tuple[int, int]]  # the line and column of each element, in the order of the text
-    complaint: tuple[str, tuple[int, int]] | None  # why it is not XML to the letter, and its line and column
+    marks: dict[etree._Element, Mark]  # the place of each element, in the order of the text
+    calls: dict[etree._Element, tuple[Mark, ...]]  # where the macros are called that an element comes from
+    missing: Sequence[Missing] = ()  # what an MJCF includes and is not there
+
+    @property
+    def whole(self) -> Mark:
+        """The file."""
+        return Mark(file=str(self.path))
+
+    @property
+    def plain(self) -> str:
+        """The text with blanks in comments, a letter a byte."""
+        return _COMMENT.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), self.content.decode("latin-1"))
+
+    def at(self, mark: Mark | None) -> Iterator[etree._Element]:
+        """The elements that are at a place; a macro puts several there."""
+        for element, found in self.marks.items():
+            if mark and (found.file, found.line) == (mark.file, mark.line) and mark.column in {None, found.column}:
+                yield element
 
 
-def parse(content: bytes) -> Parsed:
-    """The tree of a text."""
-    if content[:2] in {b"\xff\xfe", b"\xfe\xff"} or b"\0" in content[:4]:
-        raise NotXmlError("it is encoded in UTF-16 or UTF-32, and readers take UTF-8")
-    places: dict[etree._Element, tuple[int, int]] = {}
-    above: list[etree._Element | None] = []
+def line_of(element: etree._Element) -> int:
+    """The line of an element in the text that it was read from."""
+    line: Any = element.sourceline  # the stubs of lxml say that it may be an ellipsis
+    return int(line)
+
+
+def unread(path: Path) -> Text:
+    """A description of which nothing but its bytes is known."""
+    return Text(path, read_bytes(path, InputError, limit=LARGEST), etree.Element("unread"), {}, {})
+
+
+def read_text(path: Path, form: str, expansion: Expansion | None = None) -> Text:
+    """A description of a format; a `ProofError` where it has no elements, or xacro cannot expand it."""
+    content = read_bytes(path, InputError, limit=LARGEST)
+    marks: dict[etree._Element, Mark] = {}
+    if form == "xacro":
+        from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
+
+        expanded = expand_foreign(path, expansion)
+        content = _PROLOGUE + expanded.content
+        root = tree_of(content, str(path))
+        calls = {}
+        for element, place in zip(root.iter(etree.Element), expanded.places, strict=True):
+            unknown = Mark(file=str(path), place=f"line {line_of(element)} of what it expands to")
+            marks[element] = mark_of(place) if place else unknown
+            calls[element] = tuple(map(mark_of, place.calls)) if place else ()
+        return Text(path, content, root, marks, calls)
+    readable = _in_utf_8(content)
+    root = tree_of(readable, str(path), is_deep=form == "mjcf")
+    columns = dict(zip(root.iter(etree.Element), _columns(readable), strict=False))
+    included = include_files(root, path) if form == "mjcf" else ()
+    for element in root.iter(etree.Element):
+        above = element.getparent()
+        file = str(element.get(FILE) or (path if above is None else marks[above].file))
+        marks[element] = Mark(file=file, line=line_of(element), column=columns.get(element))
+    return Text(path, content, root, marks, {}, included)
+
+
+def _columns(content: bytes) -> list[int]:
+    """The column of each element of a text that is XML to the letter, from 1; else of none."""
+    found: list[int] = []
     parser = expat.ParserCreate()
-    parser.buffer_text = True
-
-    def started(tag: str, attributes: dict[str, str]) -> None:
-        if len(above) > DEEPEST:
-            above.append(None)
-            return
-        values = {
-            _name(name): text.replace(_TAB, "\t").replace(f"{_BREAK} ", "\n") for name, text in attributes.items()
-        }
-        holder = above[-1] if above else None
-        element = etree.Element(_name(tag), values) if holder is None else etree.SubElement(holder, _name(tag), values)
-        above.append(element)
-        places[element] = (parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
-
-    def read(text: str) -> None:
-        element = above[-1] if above else None
-        if element is not None and not len(element):
-            element.text = (element.text or "") + text
-
-    parser.StartElementHandler, parser.EndElementHandler = started, lambda _tag: above.pop()
-    parser.CharacterDataHandler = read
+    parser.StartElementHandler = lambda _tag, _values: found.append(parser.CurrentColumnNumber + 1)
     try:
-        parser.Parse(_read_as(content), True)
-    except expat.ExpatError as error:
-        if above or not places:
-            raise NotXmlError(expat.ErrorString(error.code), error.lineno, error.offset + 1) from None
-    complaint = None
-    try:
-        expat.ParserCreate().Parse(content, True)
-    except expat.ExpatError as error:
-        complaint = expat.ErrorString(error.code), (error.lineno, error.offset + 1)
-    except (ValueError, LookupError) as error:  # an encoding that Python does not know, or that is no 8-bit one
-        complaint = str(error), (1, 1)
-    return Parsed(next(iter(places)), places, complaint)
+        parser.Parse(content, True)
+    except (expat.ExpatError, ValueError, LookupError):  # an encoding that Python does not know, too
+        return []
+    return found
 
 
-def _name(name: str) -> str:
-    return f"{'_' if name.startswith(':') else ''}{name.replace(':', '.')}"
-
-
-def without_comments(text: str) -> str:
-    """A text with blanks in its comments."""
-    return _blanked(_COMMENT, "-->", text)
-
-
-def _blanked(pattern: re.Pattern[str], end: str, text: str) -> str:
-    """A text with blanks where a pattern matches; behind its last end no place is searched for one."""
-    cut = text.rfind(end) + len(end)
-    return pattern.sub(lambda found: _NO_BREAK.sub(" ", found[0]), text[:cut]) + text[cut:]
-
-
-def _read_as(content: bytes) -> str:
-    """A text as XML to the letter, every element at its place."""
-    declared = _ENCODING.match(content.lstrip())
-    encoding = declared[1].decode("ascii", "replace").lower() if declared else "utf-8"
-    try:
-        check_encoding(encoding)
-    except ForbiddenXmlError as error:
-        raise NotXmlError(f"{error.msg}; accepted: {ACCEPTED_XML}") from None
-    is_latin = not encoding.startswith(("utf", "us-", "ascii"))
-    text = content.decode("latin-1" if is_latin else "utf-8", "replace").removeprefix("\ufeff")
-    text = without_comments(re.sub(r"\r(?!\n)", " ", text))
-    text = _blanked(_INSTRUCTION, "?>", text)
-    if found := _DOCUMENT_TYPE.match(text, max(text.find("<!DOCTYPE"), 0)):
-        text = f"{text[: found.start()]}{_NO_BREAK.sub(' ', found[0])}{text[found.end() :]}"
-    text = _NO_REFERENCE.sub("&amp;", _NO_LETTER.sub(lambda found: " " if found[0] == "\0" else "?", text))
-    return _VALUE.sub(lambda found: found[0].replace("\t", _TAB).replace("\n", f"{_BREAK}\n"), text)
+def _in_utf_8(content: bytes) -> bytes:
+    """A text that declares no other encoding, as readers take it: they copy letters that are not in UTF-8."""
+    return content if _OTHER_ENCODING.match(content) else content.decode("utf-8", "replace").encode()

@@ -18,10 +18,10 @@ from urllib.parse import unquote
 from lxml import etree
 
 from dh2urdf.documents import is_file
-from dh2urdf.kinematics.mass import inertia_problem
+from dh2urdf.kinematics.mass import principal_moments
 from dh2urdf.manipulator import Inertia
+from dh2urdf.robot import WEIGHTLESS
 from dh2urdf.source import did_you_mean, listed, shown
-from dh2urdf_check.numbers import READ_BY, begun_numbers, mujoco_numbers, numbers_of
 from dh2urdf_check.rules import At, Hit
 
 if TYPE_CHECKING:
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 _SLOT = re.compile(r"\{([^{}]+)\}")
 _FEW = 4
+_ROUNDED = 1e-9
+"""By what share of the largest a principal moment may be off."""
+_SMALLEST_MOMENT = 1e-14
+"""Principal moment that MuJoCo takes for 0 [kg·m²]."""
 _UNQUOTED = ("name(", "moments(", "implausible(", "mesh(", "faster(", "outside(")
 """Functions whose texts are words of ours."""
 
@@ -109,6 +113,19 @@ class Document:
 # --- Functions in XPath -----------------------------------------------------------------------------------------------
 
 
+def numbers_of(text: str | None, count: int) -> tuple[float, ...] | None:
+    """As many finite numbers as a text should hold, as every reader takes them; None where it holds something else."""
+    words = (text or "").split()
+    if len(words) != count or not all(word.isascii() and "_" not in word for word in words):
+        # `float` takes 1_000 and the digits of other alphabets, which no reader does.
+        return None
+    try:
+        found = tuple(map(float, words))
+    except ValueError:
+        return None
+    return found if all(map(math.isfinite, found)) else None
+
+
 def text_of(value: Any) -> str:  # noqa: ANN401 - what XPath has
     """The text of what XPath selected: of the first element or attribute, without blanks around an element's."""
     if isinstance(value, list):
@@ -116,6 +133,12 @@ def text_of(value: Any) -> str:  # noqa: ANN401 - what XPath has
     if etree.iselement(value):
         return (value.text or "").strip()
     return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _numbers(values: Sequence[Any]) -> list[float]:
+    """The plain numbers in some texts, of all that each XPath selects; NaN for a text that is of others, too."""
+    texts = [text_of(each) for value in values for each in (value if isinstance(value, list) else [value])]
+    return [number for text in texts for number in numbers_of(text, len(text.split()) or 1) or (math.nan,)]
 
 
 def _number(_: object, value: Any) -> float:  # noqa: ANN401
@@ -136,32 +159,42 @@ def _word(_: object, value: Any, index: float) -> float:  # noqa: ANN401
     return _number(None, words[int(index) - 1]) if 0 < index <= len(words) else math.nan
 
 
-def _least(_: object, reader: str, value: Any, count: float) -> float:  # noqa: ANN401
-    """The smallest of the numbers that a reader reads, -inf where one is NaN; NaN where it refuses the text."""
-    found = READ_BY[reader](text_of(value), int(count)) or ()
-    return min((-math.inf if math.isnan(number) else number for number in found), default=math.nan)
-
-
-def _plain(values: Sequence[Any]) -> list[float]:
-    """The plain numbers in some texts; NaN for a text that is of others, too."""
-    texts = map(text_of, values)
-    return [number for text in texts for number in numbers_of(text, len(text.split()) or 1) or (math.nan,)]
-
-
 def _largest(_: object, *values: Any) -> float:  # noqa: ANN401
-    """The largest magnitude of the plain numbers in some texts; NaN where there are others."""
-    found = [abs(number) for number in _plain(values)]
-    return math.nan if any(map(math.isnan, found)) else max(found)
+    """The largest magnitude of the plain numbers in some texts; NaN where there are others, or none."""
+    found = [abs(number) for number in _numbers(values)]
+    return math.nan if any(map(math.isnan, found)) else max(found, default=math.nan)
+
+
+def _tensor(moments: Sequence[Any]) -> Inertia | None:
+    """The tensor of ixx, iyy, izz, ixy, ixz and iyz; None where one of them is no plain number."""
+    xx, yy, zz, xy, xz, yz = (_number(None, moment) for moment in moments)
+    if not all(map(math.isfinite, (xx, yy, zz, xy, xz, yz))):
+        return None
+    return Inertia(ixx=xx, iyy=yy, izz=zz, ixy=xy, ixz=xz, iyz=yz)
 
 
 def _inertia(_: object, *moments: Any) -> str:  # noqa: ANN401
-    """Which law of a body the tensor ixx, iyy, izz, ixy, ixz, iyz breaks: `triangle`, `definite`, or empty."""
-    found = [_number(None, moment) for moment in moments]
-    if not all(map(math.isfinite, found)):
+    """Which law of a body the tensor ixx, iyy, izz, ixy, ixz, iyz breaks: zero, definite, triangle, semidefinite.
+
+    Else `sound`, or an empty text where it is not written in numbers.
+    """
+    tensor = _tensor(moments)
+    if tensor is None:
         return ""
-    xx, yy, zz, xy, xz, yz = found
-    problem = inertia_problem(Inertia(ixx=xx, iyy=yy, izz=zz, ixy=xy, ixz=xz, iyz=yz))
-    return "" if problem is None else "triangle" if "triangle" in problem else "definite"
+    if tensor == WEIGHTLESS.inertia:
+        return "zero"
+    low, middle, high = principal_moments(tensor)
+    if low < -_ROUNDED * high:
+        return "definite"
+    if low + middle < high * (1.0 - _ROUNDED):
+        return "triangle"
+    return "semidefinite" if low < _SMALLEST_MOMENT else "sound"
+
+
+def _moments(_: object, *moments: Any) -> str:  # noqa: ANN401
+    """The principal moments of a tensor, as a sentence has them."""
+    tensor = _tensor(moments)
+    return "" if tensor is None else "{:.6g}, {:.6g} and {:.6g} kg·m²".format(*principal_moments(tensor))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
@@ -170,21 +203,12 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "word": _word,
     "words": lambda _, value: float(len(text_of(value).split())),
     "plain": lambda _, value, count: numbers_of(text_of(value), int(count)) is not None,
-    "drake": lambda _, value: float(len(begun_numbers(text_of(value)))),
-    "mujoco": lambda _, value, count: mujoco_numbers(text_of(value), int(count)) is not None,
-    "urdfdom": lambda _, value, count: READ_BY["urdfdom"](text_of(value), int(count)) is not None,
-    "least": _least,
-    "zero-in": lambda _, reader, value, count, most: any(
-        abs(number) <= most for number in READ_BY[reader](text_of(value), int(count)) or ()
-    ),
-    "is-out-of-range": lambda _, value: any(not 0.0 <= number <= 1.0 for number in begun_numbers(text_of(value))),
     "largest": _largest,
-    "halves": lambda _, *values: all((2.0 * number).is_integer() for number in _plain(values)),
-    "finite": lambda _, value: all(
-        map(math.isfinite, mujoco_numbers(text_of(value), len(text_of(value).split())) or ())
-    ),
+    "least": lambda _, *values: min(_numbers(values), default=math.nan),
+    "halves": lambda _, *values: all((2.0 * number).is_integer() for number in _numbers(values)),
+    "same-numbers": lambda _, one, other: _numbers([one]) == _numbers([other]),
     "inertia": _inertia,
-    "lower": lambda _, value: text_of(value).lower(),
+    "moments": _moments,
     "is-like": lambda _, value, pattern: re.fullmatch(pattern, text_of(value)) is not None,
     "suffix": lambda _, value: Path(text_of(value)).suffix.lower(),
 }
@@ -250,6 +274,15 @@ def _each_kind(document: Document, found: list[etree._Element], key: str) -> Ite
         yield from _together(document, alike, key)
 
 
+def _not_numbers(_: Document, found: list[etree._Element], wanted: Mapping[str, int]) -> Iterator[Place]:
+    """Each attribute that is there and is not as many plain numbers as are wanted; `$numbers` says so of it."""
+    for element in found:
+        for name, count in wanted.items():
+            if (text := element.get(name)) is not None and numbers_of(text, count) is None:
+                what = "one finite number" if count == 1 else f"{count} finite numbers"
+                yield Place(element, {"$numbers": f"{name} of {element.tag} is {shown(text)}, not {what}"})
+
+
 def _matches(document: Document, _found: object, pattern: str) -> Iterator[Place]:
     """The first place of the text where a regular expression matches, or its group does."""
     if match := re.search(pattern, document.text, re.DOTALL):
@@ -305,6 +338,7 @@ VERBS: dict[str, Callable[[Document, list[etree._Element], Any], Iterator[Place]
     "twice anywhere": partial(_twice, anywhere=True),
     "together": _together,
     "each kind": _each_kind,
+    "not numbers": _not_numbers,
     "matches": _matches,
     "misplaced": _misplaced,
     "in a circle": _circle,

@@ -14,7 +14,7 @@ from dh2urdf.quantities import format_numbers
 from dh2urdf.rotations import norm
 from dh2urdf.source import Mark, Messages, Problem, free_name
 from dh2urdf.stages import Repair
-from dh2urdf_check.numbers import numbers_of
+from dh2urdf_check.finders import numbers_of
 from dh2urdf_plugins.formats.xml_files import LARGEST
 
 if TYPE_CHECKING:

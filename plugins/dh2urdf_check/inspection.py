@@ -10,124 +10,33 @@ from urllib.parse import unquote
 
 from lxml import etree
 
-from dh2urdf.documents import is_file, is_there, kind_of_file, read_bytes
-from dh2urdf.errors import Dh2UrdfError, InputError, ProofError
+from dh2urdf.documents import is_file, is_there
+from dh2urdf.errors import Dh2UrdfError, ProofError
 from dh2urdf.meshes import packages_in, with_its_own
-from dh2urdf.source import Mark
-from dh2urdf.stages import Expansion, Inspection
-from dh2urdf_check.document import NotXmlError, parse
+from dh2urdf.source import Mark, shown
+from dh2urdf.stages import Effect, Expansion, Finding, Inspection
+from dh2urdf_check.document import line_of, read_text
 from dh2urdf_check.finders import Document, text_of
 from dh2urdf_check.meshes import is_found_by_pybullet
-from dh2urdf_check.rules import CONSUMERS, Hit, Rule, rules, rules_of, unread_include
-from dh2urdf_check.urdf import Urdf, number_hits
+from dh2urdf_check.rules import CONSUMERS, Rule, rules, rules_of
+from dh2urdf_check.urdf import Urdf
 from dh2urdf_plugins.formats import foreign_mjcf, foreign_sdf
-from dh2urdf_plugins.formats.mjcf.elements import compiler_of, include_files
-from dh2urdf_plugins.formats.xml_files import FILE, LARGEST, mark_of, tree_of
+from dh2urdf_plugins.formats.mjcf.elements import compiler_of
+from dh2urdf_plugins.formats.xml_files import mark_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from dh2urdf_check.document import Parsed
+    from dh2urdf.robot import Robot
+    from dh2urdf_check.document import Text
     from dh2urdf_check.rules import At
-    from dh2urdf_plugins.xacro_fence.places import Place
-
-_PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
-"""As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
-
-
-def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a URDF; `expansion` has the packages where meshes of ``package://`` addresses are looked for."""
-    return _inspection(path, read_bytes(path, InputError, limit=LARGEST), expansion)
-
-
-def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
-    """Findings about a xacro, as xacro expands it behind a fence, with the arguments and packages of an expansion."""
-    from dh2urdf_plugins.xacro_fence.expansion import expand_foreign
-
-    read_bytes(path, InputError, limit=LARGEST)
-    try:
-        expanded = expand_foreign(path, expansion)
-    except ProofError as error:
-        (problem,) = error.problems
-        mark = problem.mark or Mark(file=str(path))
-        return _only(rules()["xacro-fails"], CONSUMERS, problem.message, replace(mark, line=mark.line or 1))
-    return _inspection(path, _PROLOGUE + expanded.content, expansion, expanded.places)
-
-
-def _inspection(
-    path: Path, content: bytes, expansion: Expansion | None, places: list[Place | None] | None = None
-) -> Inspection:
-    """Findings about a text; `places` are those of its elements, where it was expanded."""
-    packages = with_its_own(path, packages_in((expansion or Expansion()).package_paths))
-    try:
-        parsed = parse(content)
-    except NotXmlError as error:
-        reason = f"it is {found[0]}" if (found := kind_of_file(content)) else error.reason
-        line, column = error.at
-        mark = Mark(file=str(path), line=line, column=column)
-        return _only(rules()["not-xml"], CONSUMERS, f"no reader takes this: {reason}", mark)
-    origins = _Origins(path, parsed, places)
-    document = Urdf(parsed, path, content, origins.said, packages)
-    hits = [*document.hits(rules().values()), *number_hits(document)]
-    if parsed.complaint is not None:
-        reason, at = parsed.complaint
-        hits.append(Hit("not-strict-xml", at, reason, frozenset(CONSUMERS)))
-    hits.sort(key=lambda hit: origins.place(hit.at))
-    findings = [rules()[hit.rule].finding(hit.message, *origins.of(hit.at), hit.of) for hit in hits]
-    for each in parsed.places:
-        if str(each.tag).rpartition(".")[2] == "include":
-            mark, calls = origins.of(each)
-            address = next(map(str, each.attrib.values()), None)
-            findings.append(unread_include(address, mark, CONSUMERS, calls))
-    robot = document.links.robot(origins.in_text)
-    return Inspection(consumers=CONSUMERS, findings=tuple(findings), robot=robot)
-
-
-def _only(rule: Rule, consumers: Mapping[str, str], message: str, mark: Mark) -> Inspection:
-    """An inspection with one finding, about a file of which nothing else can be checked."""
-    return Inspection(consumers=consumers, findings=(rule.finding(message, mark),))
-
-
-class _Origins:
-    """Where the elements of a text come from: the text itself, or the files that it was expanded from."""
-
-    def __init__(self, path: Path, parsed: Parsed, places: list[Place | None] | None) -> None:
-        self._path, self._parsed = path, parsed
-        self._sources = None if places is None else dict(zip(parsed.places, places, strict=True))
-
-    def place(self, at: At) -> tuple[int, int]:
-        """The line and column in the text."""
-        return at if isinstance(at, tuple) else self._parsed.places[at]
-
-    def in_text(self, at: At) -> Mark:
-        """A place in the text."""
-        line, column = self.place(at)
-        return Mark(file=str(self._path), line=line, column=column)
-
-    def of(self, at: At) -> tuple[Mark, tuple[Mark, ...]]:
-        """Where something is, and where the macros are called that it comes from."""
-        if self._sources is None:
-            return self.in_text(at), ()
-        if not isinstance(at, tuple) and (found := self._sources[at]):
-            from dh2urdf_plugins.xacro_fence.expansion import mark_of
-
-            return mark_of(found), tuple(map(mark_of, found.calls))
-        return Mark(file=str(self._path), place=f"line {self.place(at)[0]} of what it expands to"), ()
-
-    def said(self, at: etree._Element) -> str:
-        """Where an element is, as messages say it."""
-        mark = self.of(at)[0]
-        return mark.in_file if mark.file == str(self._path) else f"{mark.in_file} of {mark.file}"
-
-
-# --- SDF and MJCF -----------------------------------------------------------------------------------------------------
-
 
 MODEL_CONSUMERS = {
     "sdf": {"gazebo": "Gazebo: sdformat", "drake": "Drake", "pybullet": "PyBullet"},
     "mjcf": {"mujoco": "MuJoCo", "drake": "Drake", "pybullet": "PyBullet"},
 }
 """The readers of each format that its rules speak of, by the names that ``--for`` takes."""
+_OUTERMOST = {"sdf": "sdf", "mjcf": "mujoco"}
 _READ = ("package://", "http://", "https://")
 _OF_OTHERS = ("actor", "gripper", "plugin", "state")
 """Elements of an SDF whose content is no part of a model, although it may be called so."""
@@ -142,47 +51,102 @@ def model_rules(name: str) -> dict[str, Rule]:
     return rules_of(name, MODEL_CONSUMERS[name])
 
 
-def inspect_sdf(path: Path, _expansion: Expansion | None = None) -> Inspection:
+def inspect_urdf(path: Path, expansion: Expansion | None = None) -> Inspection:
+    """Findings about a URDF; `expansion` has the packages where meshes of ``package://`` addresses are looked for."""
+    return _inspected(path, "urdf", expansion or Expansion())
+
+
+def inspect_xacro(path: Path, expansion: Expansion | None = None) -> Inspection:
+    """Findings about a xacro, as xacro expands it behind a fence, with the arguments and packages of an expansion."""
+    return _inspected(path, "xacro", expansion or Expansion())
+
+
+def inspect_sdf(path: Path, expansion: Expansion | None = None) -> Inspection:
     """Findings about an SDF."""
-    return _inspected(path, "sdf", "sdf", foreign_sdf)
+    return _inspected(path, "sdf", expansion or Expansion())
 
 
-def inspect_mjcf(path: Path, _expansion: Expansion | None = None) -> Inspection:
+def inspect_mjcf(path: Path, expansion: Expansion | None = None) -> Inspection:
     """Findings about an MJCF."""
-    return _inspected(path, "mjcf", "mujoco", foreign_mjcf)
+    return _inspected(path, "mjcf", expansion or Expansion())
 
 
-def _inspected(path: Path, name: str, tag: str, read: Callable[[Path], Any]) -> Inspection:
-    """Findings about a model whose outermost element is to be `tag`."""
-    content, known, consumers = read_bytes(path, InputError, limit=LARGEST), model_rules(name), MODEL_CONSUMERS[name]
+def _inspected(path: Path, form: str, expansion: Expansion) -> Inspection:
+    """Findings about a file of a format."""
+    known, consumers = (model_rules(form), MODEL_CONSUMERS[form]) if form in MODEL_CONSUMERS else (rules(), CONSUMERS)
     try:
-        root = tree_of(content, str(path), is_deep=name == "mjcf")
+        text = read_text(path, form, expansion)
     except ProofError as error:
         (problem,) = error.problems
+        name = {"urdf": "not-xml", "xacro": "xacro-fails"}.get(form, f"{form}-not-xml")
         mark = problem.mark or Mark(file=str(path))
-        mark = replace(mark, line=max(mark.line or 1, 1), column=max(mark.column or 1, 1))
-        return _only(known[f"{name}-not-xml"], consumers, problem.message, mark)
-    root.set(FILE, str(path))
-    if root.tag != tag:
-        message = f"the outermost element is {root.tag}, not {tag}"
-        return _only(known[f"{name}-not-{tag}"], consumers, message, mark_of(root))
-    included = include_files(root, path) if name == "mjcf" else ()
-    found = [known["mjcf-missing-include"].finding(each.message, mark_of(each.include)) for each in included]
-    document = Document(root, path, _of_sdf(root, path) if name == "sdf" else _of_mjcf(root, path))
+        mark = replace(mark, line=max(mark.line or 1, 1), column=mark.column or None)
+        return Inspection(consumers=consumers, findings=(known[name].finding(problem.message, mark),))
+    tag = _OUTERMOST.get(form, text.root.tag)
+    if text.root.tag != tag:
+        message, mark = f"the outermost element is {text.root.tag}, not {tag}", text.marks[text.root]
+        return Inspection(consumers=consumers, findings=(known[f"{form}-not-{tag}"].finding(message, mark),))
+    document: Document
+    if form in MODEL_CONSUMERS:
+        functions = _of_sdf(text.root, path) if form == "sdf" else _of_mjcf(text.root, path)
+        document = Document(text.root, path, functions)
+    else:
+        document = Urdf(text, lambda at: _said(text, at), with_its_own(path, packages_in(expansion.package_paths)))
     hits = [*document.hits(known.values())]
-    found += [known[hit.rule].finding(hit.message, mark_of(hit.at), of=hit.of) for hit in hits]  # type: ignore[arg-type]  # no rule is of the text
-    missing = {hit.at for hit in hits if hit.rule == "sdf-missing-include"}
-    for element in (*root.iter("{*}include"), *root.iterfind("asset/model")):  # Files of MJCF are in its tree already.
-        uri = element.find("uri")
-        address = uri.text if uri is not None else element.get("file") or element.get("href")
-        if address and (element if uri is None else uri) not in missing:
-            found.append(unread_include(address.strip(), mark_of(element), consumers))
-    found.sort(key=lambda finding: (finding.mark.line or 0) if finding.mark else 0)
+    found: list[tuple[At, Finding]] = []
+    found += ((hit.at, known[hit.rule].finding(hit.message, *_place(text, hit.at), of=hit.of)) for hit in hits)
+    missed = known.get("mjcf-missing-include")
+    found += ((each.include, missed.finding(each.message, mark_of(each.include))) for each in text.missing if missed)
+    for element in text.marks if form != "sdf" else ():  # Files that an MJCF includes are in its tree already.
+        is_include = str(element.tag).rpartition("}")[2].rpartition(":")[2] == "include"
+        if is_include or (element.tag == "model" and form == "mjcf"):
+            address = element.get("file") or next(map(str, element.attrib.values()), "")
+            found.append((element, unread_include(address, consumers, *_place(text, element))))
+    found.sort(key=lambda each: each[0][0] if isinstance(each[0], tuple) else line_of(each[0]))
+    findings = tuple(finding for _, finding in found)
+    return Inspection(consumers=consumers, findings=findings, robot=_robot(document, path, form))
+
+
+def _robot(document: Document, path: Path, form: str) -> Robot | None:
+    """The robot of a file; None where it is none."""
+    if isinstance(document, Urdf):
+        return document.robot
     try:
-        robot = read(path).robot
+        robot: Robot = (foreign_sdf if form == "sdf" else foreign_mjcf)(path).robot
     except Dh2UrdfError:  # Findings report what is wrong; a model need not be an arm.
-        robot = None
-    return Inspection(consumers=consumers, findings=tuple(found), robot=robot)
+        return None
+    return robot
+
+
+def _place(text: Text, at: At) -> tuple[Mark, tuple[Mark, ...]]:
+    """Where something is, and where the macros are called that it comes from."""
+    if not isinstance(at, tuple):
+        return text.marks[at], text.calls.get(at, ())
+    if text.calls:
+        return Mark(file=str(text.path), place=f"line {at[0]} of what it expands to"), ()
+    return Mark(file=str(text.path), line=at[0], column=at[1]), ()
+
+
+def _said(text: Text, at: etree._Element) -> str:
+    """Where an element is, as messages say it."""
+    mark = text.marks[at]
+    return mark.in_file if mark.file == str(text.path) else f"{mark.in_file} of {mark.file}"
+
+
+def unread_include(address: str, consumers: Mapping[str, str], mark: Mark, calls: tuple[Mark, ...] = ()) -> Finding:
+    """What `check` does not look into: a file that the one that is inspected includes, by the address that it gives."""
+    does = "may load it, and this file was checked without it"
+    return Finding(
+        rule="unread-include",
+        message=f"{shown(address)} is included, and was not looked into",
+        fix="check that file too; or check the description that a consumer makes of both",
+        effects=tuple(Effect(consumer=consumer, severity="note", text=does) for consumer in consumers),
+        mark=mark,
+        calls=calls,
+    )
+
+
+# --- Functions of XPath in the rules of SDF and MJCF ------------------------------------------------------------------
 
 
 def _of_sdf(root: etree._Element, path: Path) -> dict[str, Callable[..., Any]]:

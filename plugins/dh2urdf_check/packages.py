@@ -18,8 +18,7 @@ from dh2urdf.robot import Robot
 from dh2urdf.source import Mark, Messages, shown
 from dh2urdf.stages import PACKAGE_FILE, Expansion, Finding, Inspection
 from dh2urdf_check.files import files_in, urdfs, xacros
-from dh2urdf_check.finders import Document, text_of
-from dh2urdf_check.numbers import numbers_of
+from dh2urdf_check.finders import Document, numbers_of, text_of
 from dh2urdf_check.rules import Rule, rules_of
 from dh2urdf_plugins.descriptions.description import describe
 from dh2urdf_plugins.formats.xml_files import FILE, mark_of

@@ -15,7 +15,7 @@ import yaml
 
 from dh2urdf.errors import ConfigError
 from dh2urdf.plugin_system.options import COMMAND_LINE
-from dh2urdf.source import Messages, did_you_mean, shown
+from dh2urdf.source import Messages, did_you_mean
 from dh2urdf.stages import Effect, Finding
 
 if TYPE_CHECKING:
@@ -159,21 +159,6 @@ def _case(*, says: str, at: str = "", of: Sequence[str] = (), **words: Any) -> C
     if isinstance(argument, dict) and "table" in argument:
         argument = {**argument, "table": table(argument["table"])}
     return Case(at, verb, argument, says, frozenset(of))
-
-
-def unread_include(
-    address: str | None, mark: Mark, consumers: Mapping[str, str], calls: tuple[Mark, ...] = ()
-) -> Finding:
-    """What `check` does not look into: a file that the one that is inspected includes, by the address that it gives."""
-    does = "may load it, and this file was checked without it"
-    return Finding(
-        rule="unread-include",
-        message=f"{shown(address or '')} is included, and was not looked into",
-        fix="check that file too; or check the description that a consumer makes of both",
-        effects=tuple(Effect(consumer=consumer, severity="note", text=does) for consumer in consumers),
-        mark=mark,
-        calls=calls,
-    )
 
 
 # --- `--explain RULE`, and the rules of a SARIF log -------------------------------------------------------------------

@@ -66,9 +66,7 @@ LONG_NAME = "n" * 1200
 PROOFS: dict[str, Proof] = {
     **{rule.name: Proof(**rule.proof) for rule in rules().values() if rule.proof},
     # What no YAML can have, or nobody would read in it.
-    "wrong-encoding": Proof(
-        '<robot name="arm">', '<robot name="arm" author="Jos\udce9">', "<robot", 1, ("not-strict-xml",)
-    ),
+    "wrong-encoding": Proof('<robot name="arm">', '<robot name="arm" author="Jos\udce9">', "<robot"),
     "long-line": Proof('<mass value="1"/>', '<mass value="' + "0" * 8500 + '1"/>', '<mass value="000'),
     "name-too-long": Proof('<joint name="elbow"', f'<joint name="{LONG_NAME}"', LONG_NAME),
     "too-many-joints": Proof(END, many_joints() + END, '<joint name="j_further_119"'),

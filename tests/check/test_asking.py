@@ -173,6 +173,13 @@ def test_an_inertia_that_pybullet_does_not_take(told: Any) -> None:
     assert any("A + B >= C" in each["does"] for each in seen(document, "mujoco").values())
 
 
+def test_a_mass_below_0_does_not_end_the_command(told: Any) -> None:
+    """PyBullet loads it, and the inertia that it has is compared with that of a body which no robot has."""
+    require("pybullet")
+    document = told(urdf(arm=BODY.format(-2)), "--for", "pybullet")
+    assert document["asked"]["pybullet"]["end"] == "loads"
+
+
 @pytest.mark.parametrize("consumer", ["pybullet", "mujoco", "pinocchio", "drake", "gazebo"])
 def test_a_good_file_is_the_same_in_every_program(told: Any, consumer: str) -> None:
     """Links, masses, centres, axes, limits, shapes and poses: nothing but what is merged or held by the world."""

@@ -77,8 +77,6 @@ IGNORED = {
     "mjcf-unknown-element": "what is ignored has no trace",
     "mjcf-unknown-attribute": "what is ignored has no trace",
     "mjcf-repeated-element": "the first is the one that was there",
-    "mjcf-invalid-number": "the number is the one that was there",
-    "mjcf-misread-number": "the number is the one that was there",
     "mjcf-missing-include": "what is ignored has no trace",
     "mjcf-short-keyframe": "keyframes are not asked for",
     "mjcf-global-coordinates": "poses are not asked for",

@@ -71,7 +71,10 @@ def test_sdf(folder: Path) -> None:
     """A model of the web, of a package or beside the file; one that is not there is an error of its own."""
     findings = inspect_sdf(folder / "arm.sdf").findings
     sun = "https://fuel.gazebosim.org/1.0/openrobotics/models/Sun"
-    assert unread(findings) == [(4, sun), (4, "package://p/m"), (6, "beside")]
+    included = [
+        (each.mark.line, each.message.split("'")[1]) for each in findings if each.rule == "sdf-include" and each.mark
+    ]
+    assert included == [(4, sun), (4, "package://p/m"), (6, "beside")]
     assert [each.message for each in findings if each.rule == "sdf-missing-include"] == [
         "'model://nowhere' is not beside the file"
     ]

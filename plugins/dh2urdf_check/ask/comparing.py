@@ -135,7 +135,7 @@ def _masses(robot: Robot, held: HeldRobot) -> Iterator[Difference]:
             continue
         if body.mass == 0.0:
             continue
-        size = math.sqrt(sum(map(abs, tensor(body.inertia)[::4])) / body.mass) + math.hypot(*body.com)
+        size = math.sqrt(sum(map(abs, tensor(body.inertia)[::4])) / abs(body.mass)) + math.hypot(*body.com)
         if not math.dist(com, body.com) <= NEAR * max(size, NEAR):
             text = f"has the centre of mass at {_shown(com)} m, not {_shown(body.com)} m"
             yield Difference("seen-centre", name, text)

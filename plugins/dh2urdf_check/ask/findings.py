@@ -11,9 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dh2urdf.documents import read_bytes
 from dh2urdf.documents.text_files import is_folder
-from dh2urdf.errors import ConfigError, Dh2UrdfError, InputError
+from dh2urdf.errors import ConfigError, Dh2UrdfError, ProofError
 from dh2urdf.isolation.fence import TRUST, missing_wall
 from dh2urdf.meshes import mesh_finder, packages_in, with_its_own
 from dh2urdf.source import Mark, Messages
@@ -21,9 +20,9 @@ from dh2urdf.stages import Effect, Expansion, Finding, Question, ReadsForeign
 from dh2urdf.stages.foreign_robot import ForeignRobot
 from dh2urdf_check.ask.asking import Answer, Asked, answering, programs
 from dh2urdf_check.ask.comparing import Difference, differences, postures, unlike_meshes
-from dh2urdf_check.document import NotXmlError, parse
+from dh2urdf_check.document import line_of, read_text, unread
 from dh2urdf_check.rules import table
-from dh2urdf_plugins.formats.xml_files import LARGEST
+from dh2urdf_plugins.formats import foreign_urdf
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from dh2urdf.plugin_system.catalog import Catalog
     from dh2urdf.robot import Joint, Robot
     from dh2urdf.stages import Emitter, Inspection, Severity
+    from dh2urdf_check.document import Text
 
 say = Messages(__file__)
 
@@ -44,53 +44,31 @@ _LINE = re.compile(r"(?:\bline[ =:]+|\.(?:urdf|sdf|xml|mjcf)[:>]L?|:L)(\d+)(?! i
 _NAMED = re.compile(r"['\"\[(<]([^'\"\[\]()<>]+)['\"\])>]|(?:\b(?:link|joint|body|name|frame|element)|:) +(\S+)")
 
 
-class Places:
-    """The elements of a file, as far as it is XML, in the order of the text, and the line in which each begins.
+def of_name(text: Text, name: str, kinds: Collection[str]) -> tuple[str, Mark]:
+    """What has a name, of some kinds, and where it is; the file where there is none."""
+    for element, mark in text.marks.items():
+        if element.tag in kinds and element.tag in _OWNERS and element.get("name", "") == name:
+            return str(element.tag), mark
+    return "link", text.whole
 
-    `marks` are where the elements are in their own files, where the text is what a xacro expands to.
+
+def of_words(text: Text, words: str) -> tuple[str, str, Mark]:
+    """What a message is about: the tag and the name of a link or joint, and where; the file, where it tells none.
+
+    A name in it decides, or else a line.
     """
-
-    def __init__(self, content: bytes, file: Path, marks: Sequence[Mark | None] = ()) -> None:
-        self.whole = Mark(file=str(file))
-        try:
-            found = parse(content).places
-        except NotXmlError:
-            found = {}
-        self.elements = {element: line for element, (line, _) in found.items()}
-        own = [Mark(file=str(file), line=line, column=column) for line, column in found.values()]
-        placed = [given or self.whole for given in marks] if len(marks) == len(found) else own
-        self._marks = dict(zip(found, placed, strict=True))
-
-    def of_name(self, name: str, kinds: Collection[str]) -> tuple[str, Mark]:
-        """What has a name, of some kinds, and where it is; the file where there is none."""
-        for element, mark in self._marks.items():
-            if element.tag in kinds and element.tag in _OWNERS and element.get("name", "") == name:
-                return str(element.tag), mark
-        return "link", self.whole
-
-    def of_words(self, words: str) -> tuple[str, str, Mark]:
-        """What a message is about: the tag and the name of a link or joint, and where; the file, where it tells none.
-
-        A name in it decides, or else a line.
-        """
-        parts = ((element, mark) for element, mark in self._marks.items() if element.tag in PARTS)
-        names = {element.get("name", ""): (str(element.tag), element.get("name", ""), mark) for element, mark in parts}
-        said = [(found[1] or found[2]).strip(".,;:'\"[]()<>") for found in _NAMED.finditer(words)]
-        if name := next((each for each in reversed(said) if each in names), ""):
-            return names[name]
-        if numbers := _LINE.findall(words):
-            before = [element for element, line in self.elements.items() if line <= int(numbers[-1])]
-            if before:
-                kind, name = owner_of(before[-1])
-                mark = self._marks[before[-1]]
-                return (kind, name, mark) if kind in PARTS else ("", "", mark)
-        return "", "", self.whole
-
-    def at(self, mark: Mark | None) -> Iterator[etree._Element]:
-        """The elements that are at a place; a macro puts several there."""
-        for element, found in self._marks.items():
-            if mark and (found.file, found.line) == (mark.file, mark.line) and mark.column in {None, found.column}:
-                yield element
+    parts = ((element, mark) for element, mark in text.marks.items() if element.tag in PARTS)
+    names = {element.get("name", ""): (str(element.tag), element.get("name", ""), mark) for element, mark in parts}
+    said = [(found[1] or found[2]).strip(".,;:'\"[]()<>") for found in _NAMED.finditer(words)]
+    if name := next((each for each in reversed(said) if each in names), ""):
+        return names[name]
+    if numbers := _LINE.findall(words):
+        before = [element for element in text.marks if line_of(element) <= int(numbers[-1])]
+        if before:
+            kind, name = owner_of(before[-1])
+            mark = text.marks[before[-1]]
+            return (kind, name, mark) if kind in PARTS else ("", "", mark)
+    return "", "", text.whole
 
 
 def owner_of(element: etree._Element) -> tuple[str, str]:
@@ -133,7 +111,7 @@ class Seen(NamedTuple):
     """A file of the command, and what was seen of it."""
 
     path: Path  # as the user named it
-    places: Places
+    text: Text
     own: ForeignRobot | None  # our own reading of it, where there is one
     asked: Asked
     answers: tuple[Answer, ...] = ()
@@ -149,10 +127,10 @@ class Seen(NamedTuple):
             by_name = {answer.name: answer for answer in self.answers}
             told = {name: answer.held for name, answer in by_name.items() if answer.held is not None}
             for name, each in unlike_meshes(self.own.robot, told):
-                left.append(_of_difference(by_name[name], each, self.places))
+                left.append(_of_difference(by_name[name], each, self.text))
         findings = []
         for finding in foretold:
-            effects, fitting = [], list(self.places.at(finding.mark))
+            effects, fitting = [], list(self.text.at(finding.mark))
             for effect in finding.effects:
                 answer = next((each for each in self.answers if each.program.consumer == effect.consumer), None)
                 if answer is None or answer.end == "unasked":
@@ -210,30 +188,28 @@ def with_what_is_seen(
 
 def _given(path: Path, emitter: Emitter[Any], expansion: Expansion, folder: Path) -> Seen | None:
     """A file as programs are given it; a xacro as what it expands to, beside links to its neighbours."""
-    marks: list[Mark | None] = []
+    reads = emitter.can(ReadsForeign)
+    has_macros = reads is not None and reads.has_macros
     try:
-        content, known = read_bytes(path, InputError, limit=LARGEST), packages_in(expansion.package_paths)
-        where, form = Path(os.path.abspath(path)), emitter.name  # noqa: PTH100 - standard input has another name as text
-        reads = emitter.can(ReadsForeign)
-        if reads is not None and reads.has_macros:
-            from dh2urdf_plugins.xacro_fence.expansion import expand_foreign, mark_of
-
-            expanded = expand_foreign(path, expansion)
-            content, form = expanded.content, "urdf"
-            marks = [place and mark_of(place) for place in expanded.places]
-            where = _written(content, where, folder, _packages_above(content, where))
+        text = unread(path) if not has_macros else read_text(path, "xacro", expansion)
+        with suppress(ProofError):  # Programs are given what is no XML, too.
+            text = text if has_macros else read_text(path, emitter.name, expansion)
+        where = here = Path(os.path.abspath(path))  # noqa: PTH100 - standard input has another name as text
+        above = _packages_above(text.content, here)
+        if has_macros:
+            where = _written(text.content, here, folder, above)
     except (Dh2UrdfError, OSError):  # The inspection of the file reports it.
         return None
     own = None
     with suppress(Dh2UrdfError):  # What is not read here cannot be compared.
-        if read := reads.read_foreign(path, expansion) if reads else None:
+        if read := foreign_urdf(where) if has_macros else reads.read_foreign(path, expansion) if reads else None:
             own = read if isinstance(read, ForeignRobot) else ForeignRobot(robot=read)
             own = replace(own, robot=_from_the_root(own.robot))
-    packages, here = with_its_own(path, known), Path(os.fspath(path)).absolute()
+    packages = with_its_own(path, packages_in(expansion.package_paths))
+    form = "urdf" if has_macros else emitter.name
     question = Question(path=where, format=form, packages=packages, postures=postures(own) if own else ())
-    above = _packages_above(content, here)
-    readable = (here.parent, where.parent, *packages.values(), *above.values(), *_named(content, here, packages))
-    return Seen(path, Places(content, path, marks), own, Asked(question, tuple(dict.fromkeys(readable))))
+    readable = (here.parent, where.parent, *packages.values(), *above.values(), *_named(text.content, here, packages))
+    return Seen(path, text, own, Asked(question, tuple(dict.fromkeys(readable))))
 
 
 def _packages_above(content: bytes, path: Path) -> dict[str, Path]:
@@ -302,7 +278,7 @@ class _Fact(NamedTuple):
 
 def _facts(answer: Answer, seen: Seen) -> Iterator[_Fact]:
     """What a program did to a file: how it ended, what was printed, and what differs from our own reading."""
-    places, held = seen.places, answer.held
+    held = answer.held
     said: list[tuple[str, str, str]] = []  # a rule, words that name a place, and what the program does
     match answer.end:
         case "refuses":
@@ -317,18 +293,18 @@ def _facts(answer: Answer, seen: Seen) -> Iterator[_Fact]:
             refusals = held.refusals if held else ()
             said += [("seen-refused-part", words, f"loads the file without its {words}") for words in refusals]
     for rule, words, text in said:
-        yield _Fact(answer, rule, *places.of_words(words), text)
+        yield _Fact(answer, rule, *of_words(seen.text, words), text)
     if held is not None and not (held.links or held.joints):
-        if any(each.tag in LINKS for each in places.elements):
+        if any(each.tag in LINKS for each in seen.text.marks):
             text = "takes the file for an empty world: it has no link"
-            yield _Fact(answer, "seen-empty-world", "", "", places.whole, text)
+            yield _Fact(answer, "seen-empty-world", "", "", seen.text.whole, text)
     elif held is not None and seen.own is not None:
         for each in differences(seen.own, held, seen.asked.question):
-            yield _of_difference(answer, each, places)
+            yield _of_difference(answer, each, seen.text)
 
 
-def _of_difference(answer: Answer, each: Difference, places: Places) -> _Fact:
-    kind, mark = places.of_name(each.name, JOINT if each.rule in _OF_JOINTS else LINKS)
+def _of_difference(answer: Answer, each: Difference, text: Text) -> _Fact:
+    kind, mark = of_name(text, each.name, JOINT if each.rule in _OF_JOINTS else LINKS)
     return _Fact(answer, each.rule, kind, each.name, mark, each.text)
 
 

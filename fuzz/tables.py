@@ -35,6 +35,7 @@ from known_tables import Table, home_positions, make_table
 from dh2urdf.errors import Dh2UrdfError, TableError
 from dh2urdf.manipulator import DHRow, Manipulator
 from dh2urdf_plugins.readers import stages
+from dh2urdf_plugins.readers.plain import rows as plain_rows
 from dh2urdf_plugins.readers.plain.rows import PlainRows
 
 if TYPE_CHECKING:
@@ -282,7 +283,7 @@ def _shown(file: File) -> str:
 
 @contextmanager
 def counted_fast(figures: Figures) -> Iterator[None]:
-    """Counts the arms that are read by the fast way."""
+    """Counts the arms that are read by the fast way, which takes all that are plain, be there one of a form or many."""
     read_fast = PlainRows.read
 
     def counted(self: PlainRows, arms: Any) -> Any:
@@ -290,7 +291,7 @@ def counted_fast(figures: Figures) -> Iterator[None]:
         figures.fast += sum(len(members) for members, _ in groups or ())
         return groups
 
-    with patch.object(PlainRows, "read", counted):
+    with patch.object(PlainRows, "read", counted), patch.object(plain_rows, "FEWEST", 0):
         yield
 
 

@@ -387,7 +387,7 @@ BUDGETS = {
     "plugins/dh2urdf_plugins/formats": 4590,
     "plugins/dh2urdf_plugins/loaders": 2670,
     "plugins/dh2urdf_plugins/packages": 2250,
-    "plugins/dh2urdf_plugins/readers": 6990,
+    "plugins/dh2urdf_plugins/readers": 7000,
     "plugins/dh2urdf_plugins/transforms": 2190,
     "plugins/dh2urdf_plugins/xacro_fence": 720,
     "plugins/dh2urdf_studio": 6750,

@@ -67,6 +67,8 @@ _PROBE = "0.001"
 """What a zero becomes where the model is read again: a number that means something."""
 _TINY = "[eE]-[0-9]{3}"
 """An exponent, or what looks like one, of numbers too small for a double."""
+FEWEST = 2
+"""Manipulators of each new form, on average: fewer are read with care in the time that their models take."""
 HEAD = 50
 """Rows of one manipulator that are read again at most, and rows that are read again in any file."""
 EVERY = 20_000
@@ -117,8 +119,8 @@ class PlainRows:
             start, size = starts[members[0]], len(places)
             form = (size, *((name, tuple(each[start : start + size])) for name, each in words.items()))
             forms.append((form, members, places))
-        if 2 * len({form for form, *_ in forms} - self.models.keys()) > len(groups):
-            return None  # it takes longer to read the models than to read all of them
+        if FEWEST * len({form for form, *_ in forms} - self.models.keys()) > len(groups):
+            return None
         for form, members, places in forms:
             model = self._model(form, groups[members[0]])
             in_columns = model and self._rows(model, places, columns, numbers)

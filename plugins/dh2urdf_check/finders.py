@@ -275,7 +275,7 @@ def _each_kind(document: Document, found: list[etree._Element], key: str) -> Ite
 
 
 def _not_numbers(_: Document, found: list[etree._Element], wanted: Mapping[str, int]) -> Iterator[Place]:
-    """Each attribute that is there and is not as many plain numbers as are wanted; `$numbers` says so of it."""
+    """Each attribute that is there and is not as many plain numbers as are wanted; `$numbers` names it."""
     for element in found:
         for name, count in wanted.items():
             if (text := element.get(name)) is not None and numbers_of(text, count) is None:

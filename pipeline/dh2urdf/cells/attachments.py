@@ -259,7 +259,7 @@ def _below(robot: Robot, roots: list[str]) -> dict[str, Joint]:
 def _as_readers_have_it(joint: Joint) -> Joint:
     """A joint whose axis has the length 1, which all readers make it; one that turns without end has no ends.
 
-    A fixed joint that is said to follow another one stays where it is: Drake alone refuses it.
+    A fixed joint with a `<mimic>` stays where it is: Drake alone refuses it.
     """
     length = norm(joint.axis)
     if joint.type is JointType.FIXED and joint.follows:

@@ -288,7 +288,7 @@ class EditsInColumns:
 
 
 class NeedsMasses(NamedTuple):
-    """An edit of tables that has to know what the base and every link weigh, where `applies` says so of its options.
+    """An edit of tables that has to know what the base and every link weigh, if `applies` is true of its options.
 
     Where a table leaves that out, `edit_table` is given a table with the masses of the robot that the transform makes
     of it, such as those of the drawn shapes.

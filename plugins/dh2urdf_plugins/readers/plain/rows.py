@@ -162,7 +162,7 @@ class PlainRows:
         return found
 
     def _probed(self, rows: Rows, names: Sequence[Sequence[str]]) -> Manipulator | None:
-        """A manipulator with other numbers in some fields of each row; None where anything is to be said about it."""
+        """A manipulator with other numbers in some fields of each row; None where there is anything to report."""
         cells = [list(each) for each in rows.cells]
         for each, own in zip(cells, names, strict=True):
             for index in map(self.column.__getitem__, own):

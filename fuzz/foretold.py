@@ -1,6 +1,6 @@
 """What `dh2urdf check` foretells of published descriptions, against what it sees the installed programs do.
 
-    python fuzz/foretold.py ~/corpora --most 100 --seen /tmp/seen.pickle --report report.md
+    python fuzz/foretold.py ~/corpora --most 100 --report report.md
 
 Each folder below a FOLDER is one source: its ROS packages are known to its files, and the files that are drawn are
 spread over the sources. Descriptions of the same bytes count once.
@@ -10,15 +10,13 @@ The table has a line for each format and program. Of the files that it was asked
 - the program does not load, and nothing foretold that (missed), or it loads although that was foretold (false);
 - have something that the program loses or alters, and nothing foretold that, or the other way round (changes).
 
-Below the table, each of those is named, with the rules or the words of the program. `--seen` keeps what the programs
-did: the next run asks about new files only. It is for one version of each program.
+Below the table, each of those is named, with the rules or the words of the program.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
-import pickle
 import random
 import sys
 from collections import Counter, defaultdict
@@ -75,15 +73,12 @@ def main() -> int:
     parser.add_argument("--most", type=int, default=100, help="how many descriptions of each format are drawn")
     parser.add_argument("--seed", default="0", help="of the draw")
     parser.add_argument("--format", choices=SUFFIXES, action="append", help="only this one; repeatable")
-    parser.add_argument("--seen", type=Path, help="a file where it is kept what the programs did")
     parser.add_argument("--report", type=Path, help="where the table and what was wrong is written, too")
     asked = parser.parse_args()
     cases = drawn(list(published(asked.folders)), asked.format or SUFFIXES, asked.most, asked.seed)
-    seen = pickle.loads(asked.seen.read_bytes()) if asked.seen and asked.seen.exists() else {}  # noqa: S301 - our own
+    seen: dict[Path, Seen] = {}
     for source in dict.fromkeys(case.source for case in cases):
         ask([case for case in cases if case.source == source], seen)
-        if asked.seen:
-            asked.seen.write_bytes(pickle.dumps(seen))
     counts, wrong = Counter[tuple[str, str]](), list[Wrong]()
     for case in cases:
         if case.path in seen:
@@ -140,11 +135,10 @@ def packages_of(case: Case) -> Expansion:
 
 
 def ask(cases: Sequence[Case], seen: dict[Path, Seen]) -> None:
-    """Ask the programs about the files of one source that they were not asked about yet."""
-    fresh = [(case.path, CATALOG.get("emitter", case.form)) for case in cases if case.path not in seen]
-    if fresh:
-        with asking(CATALOG, fresh, packages_of(cases[0]), ()) as at_work:
-            seen.update((each.path, each) for each in at_work)
+    """Ask the programs about the files of one source."""
+    files = [(case.path, CATALOG.get("emitter", case.form)) for case in cases]
+    with asking(CATALOG, files, packages_of(cases[0]), ()) as at_work:
+        seen.update((each.path, each) for each in at_work)
 
 
 def answers_of(seen: Seen) -> list[Answer]:

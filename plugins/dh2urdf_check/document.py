@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 _COMMENT = re.compile(r"(?<=<!--).*?(?=-->)", re.DOTALL)
 _PROLOGUE = b'<?xml version="1.0" encoding="utf-8"?>' + 5 * b"\n"
 """As many lines as the command `xacro` writes before the robot: a line without an element is one of its output."""
+_NO_REFERENCE = re.compile(rb"&(?!(?:quot|amp|apos|lt|gt|#x[0-9A-Fa-f]{1,6}|#[0-9]{1,7});)")
 _OTHER_ENCODING = re.compile(rb"\A\s*<\?xml[^>]*encoding\s*=\s*[\"'](?!utf-?8)|\A(?:\xff\xfe|\xfe\xff)", re.IGNORECASE)
 
 
@@ -84,7 +85,7 @@ def read_text(path: Path, form: str, expansion: Expansion | None = None) -> Text
             marks[element] = mark_of(place) if place else unknown
             calls[element] = tuple(map(mark_of, place.calls)) if place else ()
         return Text(path, content, root, marks, calls)
-    readable = _in_utf_8(content)
+    readable = _as_readers_take_it(content)
     root = tree_of(readable, str(path), is_deep=form == "mjcf")
     columns = dict(zip(root.iter(etree.Element), _columns(readable), strict=False))
     included = include_files(root, path) if form == "mjcf" else ()
@@ -107,6 +108,8 @@ def _columns(content: bytes) -> list[int]:
     return found
 
 
-def _in_utf_8(content: bytes) -> bytes:
-    """A text that declares no other encoding, as readers take it: they copy letters that are not in UTF-8."""
-    return content if _OTHER_ENCODING.match(content) else content.decode("utf-8", "replace").encode()
+def _as_readers_take_it(content: bytes) -> bytes:
+    """A text as readers take it: they copy letters that are not in UTF-8, unless it declares so, and any `&`."""
+    if _OTHER_ENCODING.match(content):
+        return content
+    return _NO_REFERENCE.sub(b"&amp;", content.decode("utf-8", "replace").encode())

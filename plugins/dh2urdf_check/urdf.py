@@ -13,6 +13,7 @@ from lxml import etree
 from dh2urdf.documents import is_file
 from dh2urdf.errors import Dh2UrdfError
 from dh2urdf.kinematics.mass import principal_moments
+from dh2urdf.manipulator import WORLD
 from dh2urdf.robot import Mesh
 from dh2urdf.rotations import add, norm, rotate, scale
 from dh2urdf_check.finders import Document, numbers_of, text_of
@@ -63,7 +64,7 @@ class Urdf(Document):
         kinds = {joint.get("name"): joint.get("type") or "" for joint in self.root.iterchildren("joint")}
         # MuJoCo merges what is fixed to the world into it, unless the file says otherwise.
         fuses = self.root.find("mujoco/compiler[@fusestatic='false']") is None
-        static = {each.get("name") for root in roots for each in (self._body(root) if fuses else [root])}
+        static = {each.get("name") for root in roots for each in self._body(root)} if fuses else {WORLD}
 
         def of_link(tell: Callable[[etree._Element], Any]) -> Callable[..., Any]:
             def told(_: object, found: Any) -> Any:  # noqa: ANN401 - what XPath has

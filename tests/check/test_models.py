@@ -73,6 +73,8 @@ IGNORED = {
     "sdf-inertia-triangle-inequality": "inertias are not asked for",
     "sdf-invalid-number": "the number is the one that was there",
     "sdf-unknown-element": "what is ignored has no trace",
+    "sdf-mass-without-inertia": "inertias are not asked for",
+    "sdf-include": "what is ignored has no trace",
     "sdf-missing-include": "what is ignored has no trace",
     "mjcf-unknown-element": "what is ignored has no trace",
     "mjcf-unknown-attribute": "what is ignored has no trace",

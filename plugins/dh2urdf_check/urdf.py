@@ -111,9 +111,9 @@ class Urdf(Document):
         return list(found)
 
     def _is_weightless(self, link: etree._Element) -> bool:
-        """Whether a link weighs nothing, and nothing that is fixed to it does; a text that is no number is not 0."""
+        """Whether a link weighs nothing, and nothing that is fixed to it does; a mass that is no number is none."""
         masses = [mass.get("value") for each in self._body(link) for mass in each.iterfind("inertial/mass")]
-        return all(text is None or numbers_of(text, 1) == (0.0,) for text in masses)
+        return all(numbers_of(text or "0", 1) in {None, (0.0,)} for text in masses)
 
     @cached_property
     def robot(self) -> Robot | None:

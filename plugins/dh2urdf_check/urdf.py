@@ -48,6 +48,7 @@ class Urdf(Document):
         for element in root.iterchildren("link"):
             self._links.setdefault(element.get("name") or "", element)
         self._holders: dict[str, etree._Element] = {}  # by the name of a link, the first joint that holds it
+        self._weighs: dict[etree._Element, bool] = {}  # whether a link, or what is fixed to it, has a mass
         self._held: dict[str, list[etree._Element]] = {}  # by the name of a link, those that joints fix to it
         for joint in root.iterchildren("joint"):
             parent, child = _end(joint, "parent"), _end(joint, "child")
@@ -64,6 +65,10 @@ class Urdf(Document):
         kinds = {joint.get("name"): joint.get("type") or "" for joint in self.root.iterchildren("joint")}
         # MuJoCo merges what is fixed to the world into it, unless the file says otherwise.
         fuses = self.root.find("mujoco/compiler[@fusestatic='false']") is None
+        ends = ("parent", "child")
+        joints = [(each.get("type"), *(_end(each, end) for end in ends)) for each in self.root.iterchildren("joint")]
+        lost = {child for _, parent, child in joints if parent not in self._links}  # by joints of a parent that is none
+        bearing = {parent for kind, parent, _ in joints if kind in MOVING}
         static = {each.get("name") for root in roots for each in self._body(root)} if fuses else {WORLD}
 
         def of_link(tell: Callable[[etree._Element], Any]) -> Callable[..., Any]:
@@ -87,6 +92,9 @@ class Urdf(Document):
             "static": lambda _, name: text_of(name) in static,
             "kind": lambda _, name: kinds.get(text_of(name), ""),
             "root": lambda _: roots[:1],
+            "roots": lambda _: float(len(roots)),
+            "lost": lambda _, name: text_of(name) in lost,
+            "bears": lambda _, name: text_of(name) in bearing,
             "defined": lambda _, name: self._defined.get(text_of(name), []),
             "file": of_file(self._state),
             "in-pybullet": of_file(lambda address: is_found_by_pybullet(address, self.path)),
@@ -112,8 +120,12 @@ class Urdf(Document):
 
     def _is_weightless(self, link: etree._Element) -> bool:
         """Whether a link weighs nothing, and nothing that is fixed to it does; a mass that is no number is none."""
-        masses = [mass.get("value") for each in self._body(link) for mass in each.iterfind("inertial/mass")]
-        return all(numbers_of(text or "0", 1) in {None, (0.0,)} for text in masses)
+        for each in reversed(self._body(link) if link not in self._weighs else ()):  # What is fixed to it comes first.
+            masses = [mass.get("value") for mass in each.iterfind("inertial/mass")]
+            weighs = any(numbers_of(text or "0", 1) not in {None, (0.0,)} for text in masses)
+            held = self._held.get(each.get("name") or "", ())
+            self._weighs.setdefault(each, weighs or any(self._weighs.get(other) for other in held))
+        return not self._weighs[link]
 
     @cached_property
     def robot(self) -> Robot | None:

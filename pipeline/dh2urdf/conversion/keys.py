@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any
 from dh2urdf._version import __version__
 from dh2urdf.columns import COMMON, INERTIA, LIMITS, NUMBERS, WORDS
 from dh2urdf.documents.text_files import is_file, is_folder
-from dh2urdf.errors import ManipulatorError
-from dh2urdf.plugin_system.calls import blaming
+from dh2urdf.errors import InputError, ManipulatorError
+from dh2urdf.plugin_system.calls import Call, blaming
 from dh2urdf.stages import DependsOn
 
 if TYPE_CHECKING:
@@ -53,13 +53,19 @@ def recipe_key(recipe: Recipe) -> str:
             with suppress(OSError), path.open("rb") as file:
                 digest = file_digest(file, "sha256").hexdigest()
             files.append((str(path), digest))
-        if reads := call.stage.can(DependsOn):
-            with suppress(ManipulatorError), blaming(call):  # The edit fails in the same way, and its stage reports it.
-                files.append((call.stage.name, key_of(whole(reads.read(call.options)), "")))
+        files += _read_besides(call)
     python = sys.version_info[:2]
     told = (sorted(recipe.optional), sorted(recipe.missing.items()), sorted(recipe.only.items()))
     own = key_of(code_hash(__package__.partition(".")[0], ""), __version__)
     return key_of((python, stages, recipe.poses, recipe.mesh_prefix, recipe.mesh_conversion, told, files), own)
+
+
+def _read_besides(call: Call[Any]) -> list[tuple[str, str | None]]:
+    """What a stage reads that its options do not name, as a key; nothing where that fails, which the stage reports."""
+    if reads := call.stage.can(DependsOn):
+        with suppress(ManipulatorError, InputError), blaming(call):
+            return [(call.stage.name, key_of(whole(reads.read(call.options)), ""))]
+    return []
 
 
 # --- Code -------------------------------------------------------------------------------------------------------------

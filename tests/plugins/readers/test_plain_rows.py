@@ -264,7 +264,7 @@ def test_a_wrong_fast_reading_is_an_error_that_names_both(
         list(stages.CSV.read(path, TableOptions(convention="standard")))
     (problem,) = caught.value.problems
     assert (problem.code, str(problem.mark), problem.joint) == ("two-readings", f"{path}:2", "j1")
-    assert all(f"offset={reading}," in problem.message for reading in ("5e-324", "0.0"))
+    assert problem.message.count("=5e-324,") == 1
 
 
 def test_a_row_that_only_the_fast_way_accepts_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -291,8 +291,11 @@ def test_a_wrong_reading_deep_in_a_file_is_found(tmp_path: Path, monkeypatch: py
     path = tmp_path / "arms.csv"
     path.write_text(arms_of(20_000))
     plant(monkeypatch, lambda rows: (replace_unchecked(rows[0], sign=-1), *rows[1:]), after=60_000)
-    with pytest.raises(TableError, match="sign"):
+    with pytest.raises(TableError) as caught:
         list(stages.CSV.read(path, TableOptions(convention="standard")))
+    (problem,) = caught.value.problems
+    assert problem.code == "two-readings"
+    assert "=-1," in problem.message
 
 
 @pytest.mark.parametrize(
@@ -336,3 +339,15 @@ def test_a_column_of_other_numbers_is_read_alike(header: str, cells: str, tmp_pa
         fast = outcome(path, content, convention="standard")
         with without_the_fast_way():
             assert fast == outcome(path, content, convention="standard")
+
+
+def test_arms_of_other_sizes_are_of_other_forms(tmp_path: Path) -> None:
+    """Where no column has words, the number of joints alone tells arms apart."""
+    sizes = (3, 1, 3, 1, 2, 3, 1, 1)
+    rows = "".join(f"r{arm},0.{joint + 1},0,0.{arm + 1}\n" for arm, n in enumerate(sizes) for joint in range(n))
+    (tmp_path / "arms.csv").write_text(f"robot,a,alpha,d\n{rows}")
+    arms = list(stages.CSV.read(tmp_path / "arms.csv", TableOptions(convention="standard")))
+    assert [(arm.name, len(arm.rows)) for arm in arms] == [(f"r{arm}", n) for arm, n in enumerate(sizes)]
+    assert [row.d for arm in arms for row in arm.rows] == [
+        (arm + 1) / 10 for arm, n in enumerate(sizes) for _ in range(n)
+    ]

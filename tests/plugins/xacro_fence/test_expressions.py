@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 
 from dh2urdf_plugins.xacro_fence.interpreter import MAX_WORK, ExpressionError, Function, Work, evaluate
 
-REFUSALS = (ExpressionError, NameError, SyntaxError, TypeError, ValueError, KeyError, AttributeError, RecursionError)
+REFUSALS = (ExpressionError, NameError, SyntaxError, TypeError, ValueError, LookupError, AttributeError, RecursionError)
 
 
 def names() -> Any:

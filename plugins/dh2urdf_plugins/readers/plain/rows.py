@@ -302,7 +302,7 @@ def _forms(words: Sequence[Sequence[object]], sizes: Sequence[int]) -> Iterator[
     forms: defaultdict[Hashable, list[int]] = defaultdict(list)
     starts = list(accumulate(sizes, initial=0))
     for member, (start, end) in enumerate(pairwise(starts)):
-        forms[tuple([tuple(each[start:end]) for each in words])].append(member)
+        forms[end - start, *(tuple(each[start:end]) for each in words)].append(member)
     for members in forms.values():
         yield members, [[starts[member] + row for member in members] for row in range(sizes[members[0]])]
 

@@ -95,8 +95,8 @@ def test_the_table_says_what_happens(files: dict[str, Path], measured: tuple[str
     sound, wrong = found[name], []
     assert sound.end == "loads"
     for rule in PROOFS:
-        if not rule.startswith(name):
-            continue
+        if not rule.startswith(name) or (PROOFS[rule].of and consumer not in PROOFS[rule].of):
+            continue  # Whether Gazebo finds a model that is included depends on the network.
         of = {rule: model_rules(name)[rule].outcomes.get(consumer)} | {
             finding.rule: model_rules(name)[finding.rule].outcomes[consumer]
             for finding in inspected(files[rule]).findings

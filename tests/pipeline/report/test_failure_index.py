@@ -30,7 +30,12 @@ KINDS = ("table", "proof", "crash", "time limit")
 
 class TestIndex:
     @given(
-        st.lists(st.tuples(st.sampled_from(range(5)), st.integers(0, 10**9), st.floats(allow_nan=False)), max_size=60)
+        st.lists(
+            st.tuples(
+                st.sampled_from(range(5)), st.integers(0, 10**9), st.floats(allow_nan=False, allow_infinity=False)
+            ),
+            max_size=60,
+        )
     )
     def test_counts_are_those_of_the_rows(self, outcomes: list[tuple[int, int, float]]) -> None:
         """By kind and by reason, as a plain count finds them; examples and names are those of the first rows."""

@@ -26,12 +26,14 @@ import numpy as np
 
 import dh2urdf
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
+from plain_frames import dh, rpy, shift, turn
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
+    from plain_frames import Matrix
 
-    Matrix = NDArray[np.float64]
     Frames = Callable[[dict[str, float]], dict[str, Matrix]]
 
 NAMES = ("base_link", "tool0", "joint_1", "link_1", "palm", "finger", "knuckle", "camera")
@@ -41,24 +43,9 @@ BOUNDS = {"pinocchio": 1e-12, "mujoco": 1e-12, "drake": 1e-12, "pybullet": 3e-6}
 VECTORS = 4
 
 
-def turn(x: float, y: float, z: float, angle: float) -> Matrix:
-    """The rotation about a unit vector, by Rodrigues' formula."""
-    cross, whole = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), np.eye(4)
-    whole[:3, :3] += sin(angle) * cross + (1 - cos(angle)) * cross @ cross
-    return whole
-
-
-def shift(x: float, y: float, z: float) -> Matrix:
-    """A translation."""
-    whole = np.eye(4)
-    whole[:3, 3] = x, y, z
-    return whole
-
-
 def placed(numbers: tuple[float, ...]) -> Matrix:
     """A frame at x, y, z, turned by roll, pitch and yaw about fixed axes."""
-    x, y, z, roll, pitch, yaw = numbers
-    return shift(x, y, z) @ turn(0, 0, 1, yaw) @ turn(0, 1, 0, pitch) @ turn(1, 0, 0, roll)
+    return shift(*numbers[:3]) @ rpy(*numbers[3:])
 
 
 @dataclass
@@ -75,7 +62,7 @@ class Joint:
 
     def motion(self, q: float) -> Matrix:
         """How the joint's value moves its child."""
-        return shift(*(q * np.array(self.axis))) if self.kind == "prismatic" else turn(*self.axis, q)
+        return shift(*(q * np.array(self.axis))) if self.kind == "prismatic" else turn(self.axis, q)
 
 
 @dataclass
@@ -185,8 +172,8 @@ def random_arm(draw: random.Random) -> list[tuple[float, float, float, float]]:
 def arm_pose(rows: list[tuple[float, float, float, float]], q: list[float]) -> Matrix:
     """T(base_link → tool0): Rz(θ) Tz(d) Tx(a) Rx(α) of each row (Denavit and Hartenberg, 1955)."""
     whole = np.eye(4)
-    for (theta, d, a, alpha), value in zip(rows, q, strict=True):
-        whole = whole @ turn(0, 0, 1, theta + value) @ shift(a, 0, d) @ turn(1, 0, 0, alpha)
+    for (theta, *others), value in zip(rows, q, strict=True):
+        whole = whole @ dh("standard", theta + value, *others)
     return whole
 
 

@@ -37,7 +37,7 @@ def picture(form: str = "PNG", colour: tuple[int, int, int] = GREEN) -> bytes:
 
 @pytest.fixture(name="convert")
 def _convert(tmp_path: Path) -> Callable[..., list[str]]:
-    """Writes an arm with a part in the folder `out`; what is told besides."""
+    """Writes an arm with a part in the folder `out`, and returns the notices."""
     (tmp_path / "part" / "meshes" / "maps").mkdir(parents=True)
 
     def convert(mesh: str = "meshes/body.obj", *, to: str = "out/arm.urdf", **options: Any) -> list[str]:
